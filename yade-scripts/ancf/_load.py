@@ -1,0 +1,91 @@
+"""Finds YADE, makes sure that it is the one this package was built for, and loads our classes into it."""
+
+import glob
+import os
+import platform
+import re
+import sys
+
+NEEDED_VERSION = "2023.02a"
+NEEDED_BITS = 64
+NEEDED_FEATURES = ("OPENMP", "MPI", "FEMLIKE")  # each changes the layout of YADE's classes
+NEEDED_PYTHON = (3, 11)
+NEEDED_MACHINE = "x86_64"
+
+
+def _folderFromScript(script):
+    """The folder that the `yade` script itself puts on sys.path."""
+    try:
+        with open(script, encoding="utf-8") as f:
+            found = re.search(r"sys\.path\.insert\(1,\s*'([^']+)'", f.read())
+    except OSError:
+        return None
+    return found and found.group(1)
+
+
+def _yadeFolders():
+    """Folders that may hold the Python package `yade`, best first."""
+    prefix = os.environ.get("YADE_PREFIX", "/usr")
+    fromScript = _folderFromScript(os.path.join(prefix, "bin", "yade"))
+    folders = [fromScript] if fromScript else []
+    return folders + sorted(glob.glob(os.path.join(prefix, "lib", "*", "yade-double", "py")))
+
+
+def _require(good, what, found, needed):
+    if not good:
+        raise ImportError(f"ancf needs {what} {needed}, found {found}")
+
+
+def _checkPython():
+    _require(sys.version_info[:2] == NEEDED_PYTHON, "Python", platform.python_version(), "3.11")
+    _require(platform.machine() == NEEDED_MACHINE, "a machine of type", platform.machine(), NEEDED_MACHINE)
+
+
+def _importYade():
+    """`yade`, imported if this is plain Python."""
+    if "yade" in sys.modules:
+        return sys.modules["yade"]
+    for folder in _yadeFolders():
+        if os.path.isfile(os.path.join(folder, "yade", "__init__.py")):
+            sys.path.insert(1, folder)
+            break
+    try:
+        import yade
+    except ImportError as e:
+        raise ImportError(f"ancf needs YADE {NEEDED_VERSION} (Debian 12: apt install yade): {e}") from e
+    return yade
+
+
+def _checkYade(config):
+    _require(config.version == NEEDED_VERSION, "YADE", config.version, NEEDED_VERSION)
+    bits = config.highPrecisionBits
+    _require(bits == NEEDED_BITS, "a YADE with highPrecisionBits", bits, NEEDED_BITS)
+    for feature in NEEDED_FEATURES:
+        _require(feature in config.features, "a YADE with the feature", " ".join(config.features), feature)
+
+
+def _refreshDispatchers(engines):
+    """Dispatchers size their tables when functors are added; those made before our classes must do it again."""
+    for engine in engines:
+        for name in ("boundDispatcher", "geomDispatcher", "physDispatcher", "lawDispatcher"):
+            dispatcher = getattr(engine, name, None)
+            if dispatcher is not None:
+                dispatcher.functors = dispatcher.functors
+
+
+def _load():
+    _checkPython()
+    yade = _importYade()
+    from yade import config, wrapper
+
+    _checkYade(config)
+    omega = wrapper.Omega()
+    if omega.running:
+        raise ImportError("ancf cannot be loaded while a simulation runs: O.pause() first")
+    from . import _ancf
+
+    _refreshDispatchers(omega.engines)
+    return {name: getattr(wrapper, name) for name in _ancf.classNames}
+
+
+classes = _load()
