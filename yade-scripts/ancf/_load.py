@@ -1,6 +1,7 @@
 """Finds YADE, makes sure that it is the one this package was built for, and loads our classes into it."""
 
 import glob
+import importlib
 import os
 import platform
 import re
@@ -82,8 +83,7 @@ def _load():
     omega = wrapper.Omega()
     if omega.running:
         raise ImportError("ancf cannot be loaded while a simulation runs: O.pause() first")
-    from . import _ancf
-
+    _ancf = importlib.import_module("._ancf", __package__)
     _refreshDispatchers(omega.engines)
     return {name: getattr(wrapper, name) for name in _ancf.classNames}
 

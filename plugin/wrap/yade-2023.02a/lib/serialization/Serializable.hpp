@@ -7,6 +7,8 @@
 
 #include <boost/python/raw_function.hpp>
 
+#include <initializer_list>
+
 namespace yade {
 
 namespace Attr {
@@ -42,6 +44,8 @@ public:
     void pyUpdateAttrs(const py::dict& attributes);
     std::string pyStr();
 };
+
+constexpr int flagsOf(std::initializer_list<int> flags) { return flags.size() ? *flags.begin() : 0; }
 
 // ---- how an attribute is seen in Python
 
@@ -115,7 +119,7 @@ inline py::docstring_options docstringOptions() { return py::docstring_options(t
 #define ANCF_TYPE(a) BOOST_PP_TUPLE_ELEM(5, 0, a)
 #define ANCF_NAME(a) BOOST_PP_TUPLE_ELEM(5, 1, a)
 #define ANCF_INIT(a) BOOST_PP_TUPLE_ELEM(5, 2, a)
-#define ANCF_FLAGS(a) (BOOST_PP_TUPLE_ELEM(5, 3, a) + 0)
+#define ANCF_FLAGS(a) (::yade::flagsOf({BOOST_PP_TUPLE_ELEM(5, 3, a)})) // may be left out
 #define ANCF_DOC(a)                                                                                                    \
     BOOST_PP_TUPLE_ELEM(5, 4, a)                                                                                       \
     " :ydefault:`" BOOST_PP_STRINGIZE(ANCF_INIT(a)) "` :yattrtype:`" BOOST_PP_STRINGIZE(ANCF_TYPE(a)) "`"
