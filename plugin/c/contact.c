@@ -1,6 +1,7 @@
 #include "ancf/contact.h"
 
-#include "ancf/shape.h"
+#include "internal.h"
+
 #include <math.h>
 
 enum { SWEEPS_MAX = 50 };
@@ -30,7 +31,7 @@ static void field_at(double value[3], const ancf_model* m, const double* field, 
     int dof[4];
     double S[4];
     ancf_model_dofs(dof, m, point->element);
-    ancf_shape(S, point->xi, m->element[point->element].length);
+    ancf_model_weights(S, m, point->element, point->xi);
     for (int i = 0; i < 3; i++) {
         const double* block = field + i * m->stride;
         value[i] = S[0] * block[dof[0]] + S[1] * block[dof[1]] + S[2] * block[dof[2]] + S[3] * block[dof[3]];

@@ -1,0 +1,47 @@
+#include "ancf/balance.h"
+#include "ancf/elastic.h"
+#include "ancf/mass.h"
+
+void ancf_energy_of(ancf_energy *energy, const ancf_model *m, int begin, int end)
+{
+    energy->kinetic = energy->gravity = 0.0;
+    ancf_elastic_energy(&energy->axial, &energy->bending, m, m->x, begin, end);
+    for (int e = begin; e < end; ++e) {
+        double M[4][4];
+        int dof[4];
+        ancf_mass_element(M, &m->element[e]);
+        ancf_model_dofs(dof, m, e);
+        for (int c = 0; c < 3; ++c) {
+            const double *x = m->x + c * m->stride, *v = m->v + c * m->stride;
+            for (int i = 0; i < 4; ++i) {
+                double momentum = 0.0;
+                for (int j = 0; j < 4; ++j) momentum += M[i][j] * v[dof[j]];
+                energy->kinetic += 0.5 * v[dof[i]] * momentum;
+                energy->gravity -= m->gravity[c] * (M[i][0] + M[i][2]) * x[dof[i]];
+            }
+        }
+    }
+}
+
+// The sum over both copies of a shared slope would count it twice: only the start's is taken.
+static bool counts(const ancf_model *m, int dof)
+{
+    const int end = dof - m->n_nodes - m->n_elements;
+    return end < 0 || m->next[end] < 0;
+}
+
+void ancf_momentum(double linear[3], double angular[3], ancf_model *m)
+{
+    const int s = m->stride;
+    double *p = m->work;
+    ancf_mass_multiply(m, p, m->v);
+    for (int c = 0; c < 3; ++c) linear[c] = angular[c] = 0.0;
+    for (int i = 0; i < m->n_dof; ++i) {
+        if (!counts(m, i)) continue;
+        for (int c = 0; c < 3; ++c) {
+            const int d = (c + 1) % 3, b = (c + 2) % 3;
+            if (i < m->n_nodes) linear[c] += p[c * s + i];
+            angular[c] += m->x[d * s + i] * p[b * s + i] - m->x[b * s + i] * p[d * s + i];
+        }
+    }
+}

@@ -1,0 +1,42 @@
+// Friction between cables and bodies, solved at the new velocity.
+//
+// Explicit friction would need a step of 2 m v0/((2 mu_s - mu_k) f_n); here every contact's friction is the one that
+// belongs to the velocity after it has acted, all contacts together, by Gauss-Seidel over the table.
+#ifndef ANCF_CONTACT_H
+#define ANCF_CONTACT_H
+
+#include "law.h"
+#include "model.h"
+
+// A body that cables touch.
+typedef struct {
+    double position[3], velocity[3], spin[3]; // as they will be without friction [m], [m/s], [rad/s]
+    double inv_mass[3];                       // per axis, 0 where it cannot move [1/kg]
+    double inv_inertia[9];                    // world axes, row by row; 0 where it cannot turn [1/(kg m2)]
+} ancf_partner;
+
+// Response of the model to a unit force at a point on a cable (ancf_mass_response).
+typedef struct {
+    int element;
+    double xi;
+    int n;            // unknowns that move
+    const int *dof;   // (n)
+    const double *dv; // (n) their acceleration under 1 N
+    double compliance;
+} ancf_point;
+
+typedef struct {
+    const ancf_point *point;    // on a cable
+    const ancf_point *other;    // on a cable too, or NULL and
+    ancf_partner *partner;      // a body
+    double normal[3];           // unit vector
+    double normal_force;        // >= 0 [N]
+    const ancf_friction *law;
+    double friction[3];         // in: first guess. out: force on `point` [N]; its opposite acts on the other side
+} ancf_contact;
+
+// Solves the friction of n contacts for a kick of length dt [s]. velocity (3 x stride): in the free velocity, out the
+// velocity after friction. Returns the number of sweeps.
+int ancf_contact_solve(const ancf_model *m, ancf_contact *table, int n, double dt, double *velocity);
+
+#endif

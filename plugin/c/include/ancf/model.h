@@ -1,0 +1,120 @@
+// A set of cables and nets: nodes joined by elements.
+//
+// Unknowns. A node has a position, an element a slope dr/ds at either end. Slopes belong to their element's end, so
+// that a whole model is computed lane by lane; where a cable goes on smoothly from one element into the next, both
+// carry the same slope and it moves as one (`next`). A position, velocity or force of the whole model is one array
+// of three blocks, x, y and z, each `stride` long:
+//     [0, n_nodes)                          nodes
+//     [n_nodes, n_nodes + n_elements)       slopes at the starts
+//     [.. + n_elements)                     slopes at the ends
+#ifndef ANCF_MODEL_H
+#define ANCF_MODEL_H
+
+#include "error.h"
+#include <stdbool.h>
+
+// What an element is made of; the sum of these bits.
+enum {
+    ANCF_SPRING = 1,          // tension-only spring and damper instead of a beam (Eq. 1)
+    ANCF_LUMPED = 2,          // diagonal mass
+    ANCF_AXIAL_REDUCED = 4,   // axial energy by 3 Gauss points instead of exactly
+    ANCF_CURVATURE_EXACT = 8, // bending by kappa = |r' x r''|/|r'|^2 instead of |r''|
+};
+
+typedef struct {
+    int kind;       // bits above
+    double length;  // unstressed [m]
+    double ea;      // axial stiffness [N]
+    double ei;      // bending stiffness [N m2]; 0: none is computed
+    double rho_a;   // mass per length [kg/m]
+    double damping; // Kelvin-Voigt time [s]; 0: none is computed
+} ancf_element;
+
+// How a node moves, and how a slope does.
+typedef enum {
+    ANCF_FREE,
+    ANCF_HELD, // its new velocity is given: fixed, following a body, clamped
+} ancf_hold;
+
+typedef struct {
+    int n_nodes, n_elements;
+    const ancf_element *element; // (n_elements)
+    const int *ends;             // (n_elements x 2) node numbers
+    const int *next;             // (n_elements) element into which this one goes on smoothly, or -1
+    const double *mass;          // (n_nodes) added mass [kg], NULL: none
+    const int *hold;             // (n_nodes + 2 n_elements) ancf_hold of every unknown, NULL: all free
+} ancf_def;
+
+// A run of elements that one kernel computes.
+typedef struct {
+    int begin, end;
+    int kind;
+    bool bending, damped;
+} ancf_group;
+
+typedef struct ancf_mass ancf_mass;
+
+// To be read, not written, outside plugin/c, except x, v, held, external and gravity.
+typedef struct {
+    int n_nodes, n_elements;
+    int n_dof;  // n_nodes + 2 n_elements
+    int stride; // length of a block, n_dof rounded up
+    ancf_element *element;
+    int *ends; // (n_elements x 2)
+    int *next; // (n_elements)
+    int *hold; // (n_dof) ancf_hold
+    int n_shared, n_held;
+    int *shared; // (n_shared x 2) places of the two copies of a shared slope in a block
+    int *is_held; // (n_held) places of what is held
+    int n_groups;
+    ancf_group *group;
+
+    // Elements meeting at a node: end k = 2 e + (0 start, 1 end), for k in at[first[i]] .. at[first[i+1]].
+    int *first; // (n_nodes + 1)
+    int *at;    // (2 n_elements)
+
+    // Per element, so that the kernels divide by nothing (n_elements each).
+    double *inv_length, *ea_length, *ei_length; // 1/L, EA L/4, EI/L
+    double *damping;                               // Kelvin-Voigt time [s]
+    double axial_exact[21], axial_reduced[21];  // upper triangles of the axial rule (elastic.c)
+
+    ancf_mass *mass;
+    double *weight; // (n_dof) M times a unit displacement of all nodes: gravity's force is weight g [kg or kg m]
+    double gravity[3];
+
+    double *x, *v;     // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
+    double *external;  // (3 x stride) forces that act besides those computed here [N, N m]
+    double *held;      // (3 x stride) new velocity of what is held
+    double *f, *a;     // (3 x stride) force and acceleration of the last step, its mean over sub-steps
+    double *kick;      // (3 x stride) acceleration by contact, apart where the cable takes sub-steps
+    double *free;      // (3 x stride) mean velocity of the step ahead without friction
+    double *scratch;   // (9 x n_elements) d, its rate, and the force on it
+    double *work;      // (6 x 3 x stride) for RK4, equilibrium, sub-steps
+} ancf_model;
+
+// Builds a model on the caller's state arrays x and v ((3 x ancf_stride(def)) each, laid out as above). On an error
+// nothing is left behind, *model is NULL and *where is the number of the node or element at fault.
+ancf_error ancf_model_create(ancf_model **model, const ancf_def *def, double *x, double *v, int *where);
+void ancf_model_destroy(ancf_model *model);
+
+int ancf_stride(int n_nodes, int n_elements);
+
+// Numbers of an element's unknowns in a block: (start node, start slope, end node, end slope).
+static inline void ancf_model_dofs(int dof[4], const ancf_model *m, int element)
+{
+    dof[0] = m->ends[2 * element];
+    dof[1] = m->n_nodes + element;
+    dof[2] = m->ends[2 * element + 1];
+    dof[3] = m->n_nodes + m->n_elements + element;
+}
+
+// Value at xi of element e of the field whose blocks are at `field` (m->x gives the position, m->v the velocity).
+void ancf_model_at(double value[3], const ancf_model *m, const double *field, int element, double xi);
+
+// Adds the force F at xi of an element to the generalised force, Q = S(xi)^T F (Eq. 16).
+void ancf_model_add_force(const ancf_model *m, double *force, int element, double xi, const double F[3]);
+
+// Makes both copies of every shared slope the sum of the two, as a force on the one slope is.
+void ancf_model_join(const ancf_model *m, double *force);
+
+#endif

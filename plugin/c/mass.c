@@ -1,0 +1,328 @@
+#include "ancf/mass.h"
+#include "internal.h"
+
+#include <cholmod.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Unknowns that share a slope, or have no mass, are numbered once or not at all: `row` maps a block's place to its row
+// of the matrix. A diagonal matrix is kept as its inverse, another as L L^T in an order that keeps L sparse.
+struct ancf_mass {
+    bool diagonal;
+    bool held;          // something is held that has mass
+    double *inverse;    // (stride) 1/M, 0 where held or massless; diagonal only
+    double *added;      // (n_nodes) [kg]
+    int *row;           // (stride) row of an unknown in the factor, or -1
+    int n;              // rows
+    int *begin, *index; // columns of L below the diagonal, each sorted
+    double *value, *pivot;
+    double (*rhs)[4]; // (n) right-hand sides x, y, z side by side
+};
+
+void ancf_mass_element(double M[4][4], const ancf_element *el)
+{
+    const double L = el->length, m = el->rho_a * L;
+    memset(M, 0, 16 * sizeof(double));
+    if (el->kind & ANCF_SPRING) {
+        M[0][0] = M[2][2] = m / 2.0;
+        return;
+    }
+    if (el->kind & ANCF_LUMPED) { // 35/26 of the exact diagonal: 13/35 of it at a node becomes a half
+        M[0][0] = M[2][2] = m / 2.0;
+        M[1][1] = M[3][3] = m * L * L / 78.0;
+        return;
+    }
+    const double exact[4][4] = {{13.0 / 35.0, 11.0 / 210.0 * L, 9.0 / 70.0, -13.0 / 420.0 * L},
+                                {11.0 / 210.0 * L, L * L / 105.0, 13.0 / 420.0 * L, -L * L / 140.0},
+                                {9.0 / 70.0, 13.0 / 420.0 * L, 13.0 / 35.0, -11.0 / 210.0 * L},
+                                {-13.0 / 420.0 * L, -L * L / 140.0, -11.0 / 210.0 * L, L * L / 105.0}};
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) M[i][j] = m * exact[i][j];
+}
+
+// Mass of every unknown if the matrix is diagonal, shared slopes joined.
+static void find_diagonal(double *mass, const ancf_model *m)
+{
+    for (int e = 0; e < m->n_elements; ++e) {
+        double M[4][4];
+        int dof[4];
+        ancf_mass_element(M, &m->element[e]);
+        ancf_model_dofs(dof, m, e);
+        for (int i = 0; i < 4; ++i) mass[dof[i]] += M[i][i];
+    }
+    for (int i = 0; i < m->n_nodes; ++i) mass[i] += m->mass->added[i];
+    double *start = mass + m->n_nodes, *end = start + m->n_elements;
+    for (int e = 0; e < m->n_elements; ++e)
+        if (m->next[e] >= 0) end[e] = start[m->next[e]] = end[e] + start[m->next[e]];
+}
+
+// Rows of the unknowns that are free and have mass; both copies of a shared slope get the same.
+static int number_rows(ancf_model *m, const double *diagonal)
+{
+    ancf_mass *mass = m->mass;
+    int n = 0;
+    for (int i = 0; i < m->stride; ++i)
+        mass->row[i] = i < m->n_dof && diagonal[i] > 0.0 && m->hold[i] == ANCF_FREE ? n++ : -1;
+    int *start = mass->row + m->n_nodes, *end = start + m->n_elements;
+    for (int e = 0; e < m->n_elements; ++e)
+        if (m->next[e] >= 0) end[e] = start[m->next[e]];
+    int *used = calloc((size_t)n + 1, sizeof *used); // close the gaps that the copies left
+    if (!used) return -1;
+    for (int i = 0; i < m->n_dof; ++i)
+        if (mass->row[i] >= 0) used[mass->row[i]] = 1;
+    int count = 0;
+    for (int i = 0; i < n; ++i) used[i] = used[i] ? count++ : -1;
+    for (int i = 0; i < m->n_dof; ++i)
+        if (mass->row[i] >= 0) mass->row[i] = used[mass->row[i]];
+    free(used);
+    return count;
+}
+
+static void add_entry(cholmod_triplet *t, int i, int j, double value)
+{
+    if (i < 0 || j < 0 || i < j || value == 0.0) return; // the lower triangle of the free part
+    ((int *)t->i)[t->nnz] = i;
+    ((int *)t->j)[t->nnz] = j;
+    ((double *)t->x)[t->nnz++] = value;
+}
+
+static void assemble(cholmod_triplet *t, const ancf_model *m)
+{
+    const int *row = m->mass->row;
+    for (int e = 0; e < m->n_elements; ++e) {
+        double M[4][4];
+        int dof[4];
+        ancf_mass_element(M, &m->element[e]);
+        ancf_model_dofs(dof, m, e);
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) add_entry(t, row[dof[i]], row[dof[j]], M[i][j]);
+    }
+    for (int i = 0; i < m->n_nodes; ++i) add_entry(t, row[i], row[i], m->mass->added[i]);
+}
+
+// Takes L out of the library's factor: what remains is two short loops a step, without calls or allocation.
+static ancf_error take_factor(ancf_model *m, const cholmod_factor *L)
+{
+    ancf_mass *mass = m->mass;
+    const int n = mass->n, *p = L->p, *li = L->i, *order = L->Perm;
+    const double *lx = L->x;
+    mass->begin = calloc((size_t)n + 1, sizeof *mass->begin);
+    mass->index = calloc((size_t)p[n], sizeof *mass->index);
+    mass->value = calloc((size_t)p[n], sizeof *mass->value);
+    mass->pivot = calloc((size_t)n, sizeof *mass->pivot);
+    mass->rhs = calloc((size_t)n, sizeof *mass->rhs);
+    int *place = calloc((size_t)n, sizeof *place);
+    if (!mass->begin || !mass->index || !mass->value || !mass->pivot || !mass->rhs || !place) {
+        free(place);
+        return ANCF_E_MEMORY;
+    }
+    int count = 0;
+    for (int j = 0; j < n; ++j) {
+        place[order[j]] = j;
+        mass->pivot[j] = 1.0 / lx[p[j]];
+        for (int k = p[j] + 1; k < p[j + 1]; ++k) {
+            mass->index[count] = li[k];
+            mass->value[count++] = lx[k];
+        }
+        mass->begin[j + 1] = count;
+    }
+    for (int i = 0; i < m->n_dof; ++i)
+        if (mass->row[i] >= 0) mass->row[i] = place[mass->row[i]];
+    free(place);
+    return ANCF_OK;
+}
+
+static ancf_error factorise(ancf_model *m)
+{
+    ancf_mass *mass = m->mass;
+    const size_t n = (size_t)mass->n, entries = 16 * (size_t)m->n_elements + (size_t)m->n_nodes;
+    ancf_error error = ANCF_E_FACTOR;
+    cholmod_common common;
+    cholmod_start(&common);
+    common.supernodal = CHOLMOD_SIMPLICIAL;
+    common.final_ll = 1;
+    common.print = 0;
+    cholmod_triplet *t = cholmod_allocate_triplet(n, n, entries, -1, CHOLMOD_REAL, &common);
+    cholmod_sparse *A = NULL;
+    cholmod_factor *L = NULL;
+    if (t) {
+        assemble(t, m);
+        A = cholmod_triplet_to_sparse(t, entries, &common);
+    }
+    if (A) L = cholmod_analyze(A, &common);
+    if (L && cholmod_factorize(A, L, &common) && common.status == CHOLMOD_OK &&
+        cholmod_change_factor(CHOLMOD_REAL, 1, 0, 1, 1, L, &common))
+        error = take_factor(m, L);
+    cholmod_free_factor(&L, &common);
+    cholmod_free_sparse(&A, &common);
+    cholmod_free_triplet(&t, &common);
+    cholmod_finish(&common);
+    return error;
+}
+
+ancf_error ancf_mass_create(ancf_model *m, const double *added)
+{
+    ancf_mass *mass = m->mass = calloc(1, sizeof *mass);
+    if (!mass) return ANCF_E_MEMORY;
+    mass->inverse = calloc((size_t)m->stride, sizeof *mass->inverse);
+    mass->added = calloc((size_t)m->n_nodes, sizeof *mass->added);
+    mass->row = calloc((size_t)m->stride, sizeof *mass->row);
+    if (!mass->inverse || !mass->added || !mass->row) return ANCF_E_MEMORY;
+    if (added) memcpy(mass->added, added, (size_t)m->n_nodes * sizeof *added);
+
+    double *diagonal = m->work;
+    find_diagonal(diagonal, m);
+    mass->diagonal = true;
+    for (int e = 0; e < m->n_elements; ++e)
+        if (!(m->element[e].kind & (ANCF_LUMPED | ANCF_SPRING))) mass->diagonal = false;
+    mass->n = number_rows(m, diagonal);
+    if (mass->n < 0) return ANCF_E_MEMORY;
+    for (int i = 0; i < m->n_dof; ++i) {
+        if (mass->row[i] >= 0) mass->inverse[i] = 1.0 / diagonal[i];
+        if (m->hold[i] && diagonal[i] > 0.0) mass->held = true;
+    }
+    memset(diagonal, 0, (size_t)m->stride * sizeof *diagonal);
+    return mass->diagonal || mass->n == 0 ? ANCF_OK : factorise(m);
+}
+
+void ancf_mass_destroy(ancf_mass *mass)
+{
+    if (!mass) return;
+    free(mass->inverse);
+    free(mass->added);
+    free(mass->row);
+    free(mass->begin);
+    free(mass->index);
+    free(mass->value);
+    free(mass->pivot);
+    free(mass->rhs);
+    free(mass);
+}
+
+bool ancf_mass_diagonal(const ancf_model *m)
+{
+    return m->mass->diagonal;
+}
+
+ANCF_CLONES static void solve_diagonal(const ancf_model *m, double *acceleration, const double *force)
+{
+    const double *inverse = m->mass->inverse;
+    for (int c = 0; c < 3; ++c) {
+        double *a = acceleration + c * m->stride;
+        const double *f = force + c * m->stride;
+        for (int i = 0; i < m->stride; ++i) a[i] = inverse[i] > 0.0 ? inverse[i] * f[i] : a[i];
+    }
+}
+
+// L L^T x = b for three right-hand sides at once.
+ANCF_CLONES static void solve_factor(const ancf_mass *mass)
+{
+    double(*b)[4] = mass->rhs;
+    const int *begin = mass->begin, *index = mass->index;
+    const double *value = mass->value, *pivot = mass->pivot;
+    for (int j = 0; j < mass->n; ++j) {
+        double x[4];
+        for (int c = 0; c < 4; ++c) x[c] = b[j][c] *= pivot[j];
+        for (int k = begin[j]; k < begin[j + 1]; ++k)
+            for (int c = 0; c < 4; ++c) b[index[k]][c] -= value[k] * x[c];
+    }
+    for (int j = mass->n - 1; j >= 0; --j) {
+        double x[4];
+        for (int c = 0; c < 4; ++c) x[c] = b[j][c];
+        for (int k = begin[j]; k < begin[j + 1]; ++k)
+            for (int c = 0; c < 4; ++c) x[c] -= value[k] * b[index[k]][c];
+        for (int c = 0; c < 4; ++c) b[j][c] = x[c] * pivot[j];
+    }
+}
+
+// What is held pushes on the rest: b -= M a of the held accelerations, element by element.
+static void subtract_held(const ancf_model *m, const double *acceleration)
+{
+    const ancf_mass *mass = m->mass;
+    for (int e = 0; e < m->n_elements; ++e) {
+        int dof[4];
+        ancf_model_dofs(dof, m, e);
+        if (!(m->hold[dof[0]] | m->hold[dof[1]] | m->hold[dof[2]] | m->hold[dof[3]])) continue;
+        double M[4][4];
+        ancf_mass_element(M, &m->element[e]);
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+                if (m->hold[dof[j]] && mass->row[dof[i]] >= 0)
+                    for (int c = 0; c < 3; ++c)
+                        mass->rhs[mass->row[dof[i]]][c] -= M[i][j] * acceleration[c * m->stride + dof[j]];
+    }
+}
+
+static void solve_consistent(const ancf_model *m, double *acceleration, const double *force)
+{
+    const ancf_mass *mass = m->mass;
+    const int s = m->stride;
+    for (int i = 0; i < m->n_dof; ++i) {
+        const int r = mass->row[i];
+        if (r < 0) continue;
+        for (int c = 0; c < 3; ++c) mass->rhs[r][c] = force[c * s + i];
+    }
+    if (mass->held) subtract_held(m, acceleration);
+    solve_factor(mass);
+    for (int i = 0; i < m->n_dof; ++i) {
+        const int r = mass->row[i];
+        if (r < 0) continue;
+        for (int c = 0; c < 3; ++c) acceleration[c * s + i] = mass->rhs[r][c];
+    }
+}
+
+void ancf_mass_solve(const ancf_model *m, double *acceleration, const double *force)
+{
+    if (m->mass->diagonal)
+        solve_diagonal(m, acceleration, force);
+    else if (m->mass->n > 0)
+        solve_consistent(m, acceleration, force);
+}
+
+void ancf_mass_multiply(const ancf_model *m, double *product, const double *field)
+{
+    memset(product, 0, 3 * (size_t)m->stride * sizeof *product);
+    for (int e = 0; e < m->n_elements; ++e) {
+        double M[4][4];
+        int dof[4];
+        ancf_mass_element(M, &m->element[e]);
+        ancf_model_dofs(dof, m, e);
+        for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < 4; ++i)
+                for (int j = 0; j < 4; ++j)
+                    product[c * m->stride + dof[i]] += M[i][j] * field[c * m->stride + dof[j]];
+    }
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < m->n_nodes; ++i)
+            product[c * m->stride + i] += m->mass->added[i] * field[c * m->stride + i];
+    ancf_model_join(m, product);
+}
+
+int ancf_mass_response_size(const ancf_model *m)
+{
+    return m->mass->diagonal ? 6 : m->n_dof;
+}
+
+int ancf_mass_response(const ancf_model *m, int *dof, double *value, double *compliance, int element, double xi)
+{
+    const double ex[3] = {1.0, 0.0, 0.0};
+    double *force = m->work, *response = m->work + 3 * m->stride;
+    memset(m->work, 0, 6 * (size_t)m->stride * sizeof *m->work);
+    ancf_model_add_force(m, force, element, xi, ex);
+    ancf_model_join(m, force);
+    ancf_mass_solve(m, response, force);
+    int n = 0;
+    double largest = 0.0;
+    for (int i = 0; i < m->n_dof; ++i) largest = fmax(largest, fabs(response[i]));
+    for (int i = 0; i < m->n_dof; ++i)
+        if (fabs(response[i]) > 1e-13 * largest) {
+            dof[n] = i;
+            value[n++] = response[i];
+        }
+    double at[3];
+    ancf_model_at(at, m, response, element, xi);
+    *compliance = at[0];
+    memset(m->work, 0, 6 * (size_t)m->stride * sizeof *m->work);
+    return n;
+}

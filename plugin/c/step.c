@@ -1,0 +1,170 @@
+#include "ancf/step.h"
+#include "ancf/elastic.h"
+#include "ancf/mass.h"
+#include "internal.h"
+
+#include <string.h>
+
+static size_t field_size(const ancf_model *m)
+{
+    return 3 * (size_t)m->stride * sizeof(double);
+}
+
+ANCF_CLONES static void add_scaled(double *sum, const double *a, double factor, const double *b, int n)
+{
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) sum[i] = a[i] + factor * b[i];
+}
+
+// m->f = all forces but contact at a state.
+static void total_force(ancf_model *m, const double *x, const double *v)
+{
+    ancf_elastic_force(m, m->f, x, v);
+    add_scaled(m->f, m->f, 1.0, m->external, 3 * m->stride);
+    ancf_model_join(m, m->f);
+    for (int c = 0; c < 3; ++c) // joined already
+        if (m->gravity[c] != 0.0)
+            add_scaled(m->f + c * m->stride, m->f + c * m->stride, m->gravity[c], m->weight, m->n_dof);
+}
+
+void ancf_acceleration(ancf_model *m, const double *x, const double *v)
+{
+    total_force(m, x, v);
+    ancf_mass_solve(m, m->a, m->f);
+}
+
+static double substep_kick(const ancf_time *time)
+{
+    return 0.5 * (time->last_substep + time->step / time->substeps);
+}
+
+// Acceleration that brings what is held to its given velocity within a kick.
+static void accelerate_held(ancf_model *m, double kick)
+{
+    for (int k = 0; k < m->n_held; ++k)
+        for (int c = 0; c < 3; ++c) {
+            const int j = c * m->stride + m->is_held[k];
+            m->a[j] = (m->held[j] - m->v[j]) / kick;
+        }
+}
+
+// Velocities of what is held, exactly.
+static void set_held(const ancf_model *m, double *v)
+{
+    for (int k = 0; k < m->n_held; ++k)
+        for (int c = 0; c < 3; ++c) {
+            const int j = c * m->stride + m->is_held[k];
+            v[j] = m->held[j];
+        }
+}
+
+void ancf_predict(ancf_model *m, const ancf_time *time, const double *contact)
+{
+    const int n = 3 * m->stride;
+    const double kick = substep_kick(time), step = time->step / time->substeps;
+    accelerate_held(m, kick);
+    total_force(m, m->x, m->v);
+    if (contact && time->substeps == 1)
+        add_scaled(m->f, m->f, 1.0, contact, n);
+    ancf_mass_solve(m, m->a, m->f);
+    add_scaled(m->free, m->v, kick + 0.5 * (time->step - step), m->a, n);
+    if (time->substeps > 1) {
+        memset(m->kick, 0, field_size(m));
+        if (contact) {
+            ancf_mass_solve(m, m->kick, contact);
+            add_scaled(m->free, m->free, ancf_kick(time), m->kick, n);
+        }
+    }
+    set_held(m, m->free);
+}
+
+// The sub-steps after the first, and the means of force and acceleration over the whole step.
+static void substep(ancf_model *m, const ancf_time *time)
+{
+    const int n = 3 * m->stride;
+    const double step = time->step / time->substeps, kick = substep_kick(time), whole = ancf_kick(time);
+    double *force = m->work, *acceleration = m->work + n;
+    for (int i = 0; i < n; ++i) {
+        force[i] = kick * m->f[i];
+        acceleration[i] = kick * m->a[i] + whole * m->kick[i];
+    }
+    for (int s = 1; s < time->substeps; ++s) {
+        for (int i = 0; i < n; ++i) m->a[i] = 0.0; // what is held moves evenly after the first
+        ancf_acceleration(m, m->x, m->v);
+        for (int i = 0; i < n; ++i) {
+            m->v[i] += step * m->a[i];
+            m->x[i] += step * m->v[i];
+            force[i] += step * m->f[i];
+            acceleration[i] += step * m->a[i];
+        }
+    }
+    for (int i = 0; i < n; ++i) {
+        m->f[i] = force[i] / whole;
+        m->a[i] = acceleration[i] / whole;
+    }
+}
+
+void ancf_correct(ancf_model *m, const ancf_time *time, const double *after)
+{
+    const int n = 3 * m->stride;
+    const double kick = substep_kick(time), step = time->step / time->substeps, whole = ancf_kick(time);
+    if (time->substeps == 1) {
+        if (after != m->free)
+            for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / whole;
+        memcpy(m->v, after, field_size(m));
+        add_scaled(m->x, m->x, step, m->v, n);
+        return;
+    }
+    for (int i = 0; i < n; ++i) {
+        m->kick[i] += (after[i] - m->free[i]) / whole;
+        m->v[i] += kick * m->a[i] + whole * m->kick[i];
+    }
+    set_held(m, m->v);
+    add_scaled(m->x, m->x, step, m->v, n);
+    substep(m, time);
+}
+
+void ancf_rk4(ancf_model *m, double step)
+{
+    static const double at[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+    const int n = 3 * m->stride;
+    double *x0 = m->work, *v0 = x0 + n, *dx = v0 + n, *dv = dx + n, *x = dv + n, *v = x + n;
+    memcpy(x0, m->x, field_size(m));
+    memcpy(v0, m->v, field_size(m));
+    memset(dx, 0, 2 * field_size(m));
+    accelerate_held(m, step);
+    for (int s = 0; s < 4; ++s) {
+        // v and m->a hold the rates of the stage before.
+        for (int i = 0; i < n; ++i) {
+            const double rate = s ? v[i] : 0.0;
+            x[i] = x0[i] + at[s] * step * rate;
+        }
+        for (int i = 0; i < n; ++i) v[i] = v0[i] + (s ? at[s] * step * m->a[i] : 0.0);
+        ancf_acceleration(m, x, v);
+        for (int i = 0; i < n; ++i) {
+            dx[i] += weight[s] * v[i];
+            dv[i] += weight[s] * m->a[i];
+        }
+    }
+    for (int i = 0; i < n; ++i) {
+        m->x[i] = x0[i] + step * dx[i];
+        m->v[i] = v0[i] + step * dv[i];
+        m->a[i] = dv[i];
+    }
+}
+
+void ancf_reaction(double force[3], const ancf_model *m, int dof)
+{
+    for (int c = 0; c < 3; ++c) force[c] = -m->f[c * m->stride + dof];
+    for (int e = 0; e < m->n_elements; ++e) {
+        double M[4][4];
+        int of[4];
+        ancf_model_dofs(of, m, e);
+        for (int i = 0; i < 4; ++i) {
+            if (of[i] != dof) continue;
+            ancf_mass_element(M, &m->element[e]);
+            for (int j = 0; j < 4; ++j)
+                for (int c = 0; c < 3; ++c) force[c] += M[i][j] * m->a[c * m->stride + of[j]];
+        }
+    }
+}
