@@ -3,6 +3,7 @@
 #include "LayoutCheck.hpp"
 
 #include <core/Omega.hpp>
+#include <lib/base/AliasNamespaces.hpp>
 #include <lib/factory/ClassFactory.hpp>
 
 using namespace yade;
