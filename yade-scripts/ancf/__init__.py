@@ -3,4 +3,9 @@
 from . import _load
 
 globals().update(_load.classes)
-__all__ = list(_load.classes)
+
+from .cables import Cable  # noqa: E402
+from .nets import Net  # noqa: E402
+from .scene import check, engines, timeStep  # noqa: E402
+
+__all__ = [*_load.classes, "Cable", "Net", "check", "engines", "timeStep"]

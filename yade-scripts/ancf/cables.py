@@ -1,0 +1,159 @@
+"""Cables."""
+
+import numpy as np
+
+from . import values
+from .laying import curveLength, subdivide, tangents, unit
+from .structure import Layout, Run, Structure, section
+
+
+def divisions(name, model, elements, midPoints):
+    """Elements an edge consists of: `elements` for ANCF, midPoints + 1 springs."""
+    elements = values.count(f"{name}.elements", elements, 1)
+    midPoints = values.count(f"{name}.midPoints", midPoints, 0)
+    if model != "springs":
+        if midPoints:
+            values.refuse(
+                f"{name}.midPoints", midPoints, "belongs to model='springs'; use elements="
+            )
+        return elements
+    if elements != 1:
+        values.refuse(f"{name}.elements", elements, "belongs to model='ancf'; use midPoints=")
+    return midPoints + 1
+
+
+class Cable(Structure):
+    """A cable along a polyline.
+
+    points           (n, 3) [m], its knots; every segment between two of them is an edge of
+                     `elements` elements. The cable goes through the points smoothly and is as long
+                     as it lies: a straight or round one starts without strain. Its ends have slopes
+                     of their own, free unless clamped.
+    elements         ANCF elements per edge
+    diameter         [m]; gives area, bending stiffness E pi d^4/64 and the radius d/2 of the
+                     contact points
+    material         HollarsMat, or its label or id in O.materials
+    model            'ancf', or 'springs': tension-only springs, midPoints + 1 per edge, mass
+                     lumped, no bending
+    contactPoints    inside each element, evenly; nodes have one besides (springs: nodes only); 0:
+                     none at all, the cable touches nothing
+    damping          Kelvin-Voigt time [s]
+    area, bending    [m2], EI [N m2] instead of those of the diameter
+    mass             'consistent' or 'lumped'
+    axialRule        'exact', or 'reduced' (3 Gauss points: softer in bending-dominated cables)
+    curvature        'fast' (|r''|) or 'exact' (|r' x r''|/|r'|^2)
+    selfContact      whether its points touch other cable points, its own included
+    closed           the last point joins the first (belts)
+    mask             groupMask of the contact points
+    label            its name in messages
+
+    Raises ValueError, TypeError or IndexError that names the attribute.
+    """
+
+    def __init__(
+        self,
+        points,
+        elements=1,
+        *,
+        diameter,
+        material,
+        model="ancf",
+        midPoints=0,
+        contactPoints=3,
+        damping=0.0,
+        area=None,
+        bending=None,
+        mass="consistent",
+        axialRule="exact",
+        curvature="fast",
+        selfContact=False,
+        closed=False,
+        mask=1,
+        label="Cable",
+    ):
+        sec = section(
+            label, material, diameter, area, bending, model, mass, axialRule, curvature, damping
+        )
+        parts = divisions(label, model, elements, midPoints)
+        p = _checkedPoints(label, points, closed)
+        layout = _laySprings(p, parts, closed) if model == "springs" else _lay(p, parts, closed)
+        super().__init__(label, sec, layout, contactPoints, selfContact, mask)
+
+    @property
+    def _span(self):
+        return self.spans[0]
+
+    def point(self, s):
+        """Position [m] at s in [0, 1] along the unstressed length, Vector3."""
+        return self._span.point(s)
+
+    def velocity(self, s):
+        """Velocity [m/s] at s, Vector3."""
+        return self._span.velocity(s)
+
+    def tension(self, s):
+        """Tension at s, damping included [N]."""
+        return self._span.tension(s)
+
+    def strain(self, s):
+        """Strain at s [-]: Green's for ANCF, engineering strain for springs."""
+        return self._span.strain(s)
+
+    def curve(self, k=8):
+        """Points on the true curve, k per element and the last end, (k elements + 1, 3) numpy
+        [m].
+        """
+        return self._span.curve(k)
+
+    def tensions(self, k=8):
+        """Tension at the points of curve(k) [N]."""
+        return self._span.tensions(k)
+
+
+def _checkedPoints(name, given, closed):
+    p = values.points(f"{name}.points", given)
+    least = 3 if closed else 2
+    if len(p) < least:
+        values.refuse(f"{name}.points", given, f"a cable needs at least {least} points here")
+    following = np.roll(p, -1, axis=0) if closed else p[1:]
+    for i, gap in enumerate(np.linalg.norm(following - p[: len(following)], axis=1)):
+        if gap <= 1e-12 * max(1.0, np.abs(p).max()):
+            j = (i + 1) % len(p)
+            raise ValueError(
+                f"{name}.points[{i}] and [{j}] = {tuple(p[i])} coincide: take one of them out"
+                + (" (a closed cable joins the last point to the first itself)" if j == 0 else "")
+            )
+    return p
+
+
+def _edges(p, closed):
+    n = len(p)
+    return [(i, (i + 1) % n) for i in range(n if closed else n - 1)]
+
+
+def _lay(p, parts, closed):
+    """Layout of an ANCF cable: smooth from its first element to its last."""
+    layout = Layout(len(p), nodes=list(p))
+    t = tangents(p, closed)
+    for i, j in _edges(p, closed):
+        nodes, slopes = subdivide(p[i], t[i], p[j], t[j], parts)
+        lengths = [
+            curveLength(nodes[k], slopes[k], nodes[k + 1], slopes[k + 1]) for k in range(parts)
+        ]
+        layout.addEdge(i, j, nodes, slopes, lengths, smooth=True)
+    count = len(layout.ends)
+    layout.next = [k + 1 for k in range(count - 1)] + [0 if closed else -1]
+    layout.runs = [Run(0, count, (0, 0 if closed else len(p) - 1))]
+    return layout
+
+
+def _laySprings(p, parts, closed):
+    """Layout of a chain of springs: straight from point to point."""
+    layout = Layout(len(p), nodes=list(p))
+    for i, j in _edges(p, closed):
+        nodes = p[i] + np.outer(np.linspace(0, 1, parts + 1), p[j] - p[i])
+        slopes = np.tile(unit(p[j] - p[i]), (parts + 1, 1))
+        lengths = [np.linalg.norm(p[j] - p[i]) / parts] * parts
+        layout.addEdge(i, j, nodes, slopes, lengths, smooth=False)
+    layout.runs = [Run(0, len(layout.ends), (0, 0 if closed else len(p) - 1))]
+    return layout

@@ -1,0 +1,275 @@
+"""The scene around cables: complete engine lists, time steps, and checks before the first step."""
+
+import itertools
+import warnings
+
+from yade import O, Vector3, wrapper
+
+from . import values
+from .structure import NO_SELF_CONTACT, Structure, cableEngines, checkMaterial
+
+LAW_OPTIONS = {
+    "normal": ("nonlinear", "hertz", "linear"),
+    "friction": ("hollars", "coulomb", "none"),
+}
+MOST_SUBSTEPS = 8  # of the cables inside one step that engines() chooses
+
+
+def engines(
+    *structures,
+    gravity=(0, 0, 0),
+    integrator="leapfrog",
+    substeps="auto",
+    contact=None,
+    speed=None,
+    verletDist=None,
+):
+    """The complete list for O.engines, and sets O.dt.
+
+    structures   cables and nets; those not appended yet are appended to one engine
+    gravity      [m/s2]
+    integrator   'leapfrog' or 'rk4'
+    substeps     of the cables inside O.dt: 'auto' takes as many as they need, a number exactly that
+                 many
+    contact      dict with normal='nonlinear'|'hertz'|'linear' and
+                 friction='hollars'|'coulomb'|'none'
+    speed        at which contacts are expected to be approached [m/s]; None: the fastest motion in
+                 the scene, at least 1. Contact stiffness and so O.dt depend on it, weakly
+    verletDist   sweep length of the collider [m]; None: half the distance of contact points
+
+    Contacts of cables, spheres, boxes, facets and walls of HollarsMat or FrictMat have their
+    functors in the list. Raises ValueError, TypeError that name the argument, RuntimeError for a
+    scene that cannot work.
+    """
+    for i, structure in enumerate(structures):
+        if not isinstance(structure, Structure):
+            values.refuse(
+                f"engines: argument {i}", structure, "must be a Cable or a Net", TypeError
+            )
+    if not structures:
+        raise ValueError("engines(): give at least one Cable or Net")
+    gravity = values.vector("engines: gravity", gravity)
+    values.choice("engines: integrator", integrator, ("leapfrog", "rk4"))
+    steps = 0 if substeps == "auto" else values.count("engines: substeps", substeps, 1)
+    law = _lawOptions(contact)
+    if verletDist is None:
+        verletDist = min(sweepLength(s) for s in structures)
+    verletDist = values.positive("engines: verletDist", verletDist, "m")
+
+    cable = _appendAll(structures)
+    for engine in cable:
+        engine.integrator, engine.substeps = integrator, steps
+    speed = fastest() if speed is None else values.positive("engines: speed", speed, "m/s")
+    O.dt = timeStep(cable, speed)
+    return [
+        wrapper.ForceResetter(),
+        wrapper.InsertionSortCollider(
+            [_new("Bo1_%s_Aabb" % s) for s in ("Sphere", "Box", "Facet", "Wall")],
+            verletDist=verletDist,
+            avoidSelfInteractionMask=NO_SELF_CONTACT,
+        ),
+        wrapper.InteractionLoop(
+            [_new("Ig2_%s_Sphere_ScGeom" % s) for s in ("Sphere", "Box", "Facet", "Wall")]
+            + [_new("Ig2_CablePoint_CablePoint_ScGeom")],
+            [
+                wrapper.Ip2_HollarsMat_HollarsMat_HollarsPhys(),
+                wrapper.Ip2_FrictMat_HollarsMat_HollarsPhys(),
+                wrapper.Ip2_FrictMat_FrictMat_FrictPhys(),
+            ],
+            [
+                wrapper.Law2_ScGeom_HollarsPhys_Hollars(**law),
+                wrapper.Law2_ScGeom_FrictPhys_CundallStrack(),
+            ],
+        ),
+        *cable,
+        wrapper.NewtonIntegrator(damping=0, gravity=Vector3(*gravity)),
+    ]
+
+
+def _new(name):
+    return getattr(wrapper, name)()
+
+
+def _lawOptions(contact):
+    options = dict(contact or {})
+    for key, value in options.items():
+        values.choice("engines: contact key", key, tuple(LAW_OPTIONS))
+        values.choice(f"engines: contact['{key}']", value, LAW_OPTIONS[key])
+    return options
+
+
+def _appendAll(structures):
+    """Appends what is not yet; returns the engines of all, each once."""
+    shared = next((s.engine for s in structures if s.appended), None)
+    for structure in structures:
+        if not structure.appended:
+            structure.append(engine=shared)
+            shared = structure.engine
+    return list({s.engine.family: s.engine for s in structures}.values())
+
+
+def sweepLength(structure):
+    """Sweep length that lets the collider rest for many steps: half the distance of contact points
+    [m].
+    """
+    shortest = min(structure._layout.length)
+    return max(structure.radius, 0.5 * shortest / (structure._contactPoints + 1))
+
+
+def fastest():
+    """Highest speed of bodies and cables in the scene, at least 1 m/s."""
+    speeds = [1.0] + [b.state.vel.norm() for b in O.bodies]
+    for engine in cableEngines():
+        v, stride = engine.velocity, engine.stride
+        speeds += [Vector3(*v[i::stride]).norm() for i in range(engine.nNodes)]
+    return max(speeds)
+
+
+def timeStep(engines=None, speed=None):
+    """The step for O.dt [s]: what contacts at an approach speed [m/s] allow, at most 8 sub-steps of
+    the cables.
+
+    engines: CableEngines, None: all in O.engines. Without sub-steps (substeps = 1, rk4) the cables'
+    own step is the limit.
+    """
+    engines = cableEngines() if engines is None else engines
+    speed = fastest() if speed is None else speed
+    steps = []
+    for engine in engines:
+        leapfrog = engine.integrator == "leapfrog"
+        inside = (engine.substeps or MOST_SUBSTEPS) if leapfrog else 1
+        steps.append(inside * engine.criticalTimeStep())
+        if engine.pointIds:
+            steps.append(engine.contactTimeStep(speed))
+    return min(steps)
+
+
+# ---- checks --------------------------------------------------------------------------------------
+
+
+def check():
+    """Raises RuntimeError or ValueError if the scene, as it is now, would fail silently or end
+    YADE.
+
+    Looks at periodicity, order of engines, collider settings, materials, and the functors of all
+    pairs of bodies that can meet. Warns of what is legal but hardly meant.
+    """
+    if O.periodic:
+        raise ValueError("O.periodic = True: cables do not know periodic cells; set it to False")
+    _checkOrder()
+    _checkCollider()
+    for body in _one(lambda b: b.material.id if b.material else None):
+        if isinstance(body.material, wrapper.HollarsMat):
+            checkMaterial(body.material)
+    _checkFunctors()
+
+
+def _place(kind):
+    """Places in O.engines of engines of a class."""
+    return [i for i, e in enumerate(O.engines) if isinstance(e, getattr(wrapper, kind))]
+
+
+def _checkOrder():
+    order = ("ForceResetter", "InteractionLoop", "CableEngine", "NewtonIntegrator")
+    places = {kind: _place(kind) for kind in order}
+    for kind in order:
+        if not places[kind]:
+            raise RuntimeError(f"O.engines has no {kind}: add one; the order is {', '.join(order)}")
+    for first, second in itertools.pairwise(order):
+        if max(places[first]) > min(places[second]):
+            raise RuntimeError(
+                f"O.engines: {first} comes after {second}; the order is {', '.join(order)}"
+            )
+    damping = O.engines[places["NewtonIntegrator"][0]].damping
+    if damping:
+        warnings.warn(
+            f"NewtonIntegrator.damping = {damping!r}: bodies lose momentum without a cause; "
+            "set it to 0",
+            stacklevel=3,
+        )
+
+
+def _checkCollider():
+    for collider in (e for e in O.engines if isinstance(e, wrapper.InsertionSortCollider)):
+        if collider.verletDist < 0 and any(engine.pointIds for engine in cableEngines()):
+            warnings.warn(
+                f"InsertionSortCollider.verletDist = {collider.verletDist!r} is a part of the smallest "
+                "radius, a cable's, so that it runs every few steps; give a length, such as half the "
+                "distance of contact points",
+                stacklevel=3,
+            )
+
+
+def _one(key):
+    """One body for each value of key(body), bodies without shape left out."""
+    found = {}
+    for body in O.bodies:
+        if body.shape and not body.isClump:
+            found.setdefault(key(body), body)
+    return list(found.values())
+
+
+def _kind(body):
+    shape = body.shape
+    selfContact = isinstance(shape, wrapper.CablePoint) and shape.selfContact
+    moves = isinstance(shape, wrapper.CablePoint) or body.dynamic
+    return type(shape), type(body.material), body.groupMask, moves, selfContact
+
+
+def _checkFunctors():
+    loops = [e for e in O.engines if isinstance(e, wrapper.InteractionLoop)]
+    bounds = [e.boundDispatcher for e in O.engines if isinstance(e, wrapper.Collider)]
+    bodies = _one(_kind)
+    for body in bodies:
+        if body.bounded and bounds and not any(b.dispFunctor(body.shape) for b in bounds):
+            name = type(body.shape).__name__
+            raise RuntimeError(
+                f"{_name(body)}: the collider has no Bo1 functor for a {name}; "
+                f"add Bo1_{name}_Aabb()"
+            )
+    for a, b in itertools.combinations_with_replacement(bodies, 2):
+        if _canMeet(a, b):
+            _checkPair(loops[0], a, b)
+
+
+def _name(body):
+    label = f" {body.material.label!r}" if body.material.label else ""
+    return f"body {body.id} ({type(body.shape).__name__}, {type(body.material).__name__}{label})"
+
+
+def _canMeet(a, b):
+    if not (a.bounded and b.bounded and a.groupMask & b.groupMask):
+        return False
+    cables = [isinstance(x.shape, wrapper.CablePoint) for x in (a, b)]
+    if all(cables):
+        return a.shape.selfContact or b.shape.selfContact
+    return any(cables) or a.dynamic or b.dynamic
+
+
+def _functor(dispatcher, a, b):
+    return dispatcher.dispFunctor(a, b) or dispatcher.dispFunctor(b, a)
+
+
+def _checkPair(loop, a, b):
+    pair = f"{_name(a)} and {_name(b)}"
+    cable = any(isinstance(x.shape, wrapper.CablePoint) for x in (a, b))
+    geom = _functor(loop.geomDispatcher, a.shape, b.shape)
+    phys = _functor(loop.physDispatcher, a.material, b.material)
+    for functor, kind, remedy in ((geom, "Ig2", "shapes"), (phys, "Ip2", "materials")):
+        if not functor:
+            text = (
+                f"{pair} can meet, but InteractionLoop has no {kind} functor for their {remedy}: they "
+                "would pass through each other; use ancf.engines(), or separate them by groupMask"
+            )
+            if cable:
+                raise RuntimeError(text)
+            warnings.warn(text, stacklevel=5)
+            return
+    made = [type(f).__name__.split("_")[-1] for f in (geom, phys)]
+    samples = [getattr(wrapper, name, None) for name in made]
+    if None in samples or loop.lawDispatcher.dispFunctor(samples[0](), samples[1]()):
+        return
+    raise RuntimeError(
+        f"{pair} can meet, but InteractionLoop has no Law2 functor for {made[0]} and {made[1]}: "
+        "YADE would end at their first contact; add one, or use ancf.engines()"
+    )

@@ -1,0 +1,741 @@
+"""What cables and nets have in common: they are laid, appended, held, loaded and read in the same
+way.
+"""
+
+import warnings
+from dataclasses import dataclass, field
+
+import numpy as np
+from yade import O, Vector3, wrapper
+
+from . import values
+from .laying import shape
+
+SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT = (
+    1,
+    2,
+    4,
+    8,
+)  # bits of `kind`, plugin/c/include/ancf/model.h
+
+# Bits of groupMask that the points of cables without self-contact have, one for each engine (every
+# eighth again), so that the collider leaves their pairs out at once.
+NO_SELF_CONTACT = 0xFF << 22
+
+
+@dataclass
+class Section:
+    """What an element is made of."""
+
+    diameter: float  # [m]
+    ea: float  # axial stiffness [N]
+    ei: float  # bending stiffness [N m2]
+    rhoA: float  # mass per length [kg/m]
+    damping: float  # Kelvin-Voigt time [s]
+    kind: int  # sum of the bits above
+    material: object  # HollarsMat
+
+
+@dataclass
+class Run:
+    """Elements in a row, along which arc length counts: a whole cable, or one edge of a net."""
+
+    first: int
+    count: int
+    knots: tuple  # knot numbers at its ends
+
+
+@dataclass
+class Layout:
+    """Nodes and elements as laid; knots come first among the nodes."""
+
+    knots: int
+    nodes: list = field(default_factory=list)  # (n) of (3,) [m]
+    slopes: list = field(default_factory=list)  # (2 E) of (3,): start, end of every element
+    ends: list = field(default_factory=list)  # (E) of (start node, end node)
+    next: list = field(default_factory=list)  # (E) element into which this goes on smoothly, or -1
+    length: list = field(default_factory=list)  # (E) unstressed [m]
+    runs: list = field(default_factory=list)  # of Run
+
+    def addEdge(self, start, end, nodes, slopes, lengths, smooth):
+        """Adds the elements between two knots: nodes and slopes (elements + 1, 3), lengths
+        (elements).
+
+        smooth: its elements go on smoothly one into the next. Returns the number of the first
+        element.
+        """
+        first, inner = len(self.ends), len(self.nodes)
+        self.nodes += list(nodes[1:-1])
+        chain = [start, *range(inner, len(self.nodes)), end]
+        for k, length in enumerate(lengths):
+            self.ends.append((chain[k], chain[k + 1]))
+            self.slopes += [slopes[k], slopes[k + 1]]
+            self.length.append(length)
+            self.next.append(first + k + 1 if smooth and k + 1 < len(lengths) else -1)
+        return first
+
+
+@dataclass
+class Site:
+    """A contact point: a place on the structure."""
+
+    element: int
+    xi: float
+    node: int  # -1 inside an element
+    run: int
+    arc: float  # along the run [m]
+
+
+def section(
+    name,
+    material,
+    diameter,
+    area=None,
+    bending=None,
+    model="ancf",
+    mass="consistent",
+    axialRule="exact",
+    curvature="fast",
+    damping=0.0,
+):
+    """Section from what the user gave; raises ValueError or TypeError that names the attribute."""
+    mat = findMaterial(name, material)
+    diameter = values.positive(f"{name}.diameter", diameter, "m")
+    values.choice(f"{name}.model", model, ("ancf", "springs"))
+    values.choice(f"{name}.mass", mass, ("consistent", "lumped"))
+    values.choice(f"{name}.axialRule", axialRule, ("exact", "reduced"))
+    values.choice(f"{name}.curvature", curvature, ("fast", "exact"))
+    springs = model == "springs"
+    if springs and bending:
+        values.refuse(f"{name}.bending", bending, "springs do not bend; use model='ancf'")
+    full = np.pi * diameter**2 / 4
+    area = full if area is None else values.positive(f"{name}.area", area, "m2")
+    if bending is None:
+        bending = 0.0 if springs else mat.young * np.pi * diameter**4 / 64
+    bending = values.notNegative(f"{name}.bending", bending, "N m2")
+    kind = SPRING if springs else 0
+    kind |= LUMPED if springs or mass == "lumped" else 0
+    kind |= AXIAL_REDUCED if not springs and axialRule == "reduced" else 0
+    kind |= CURVATURE_EXACT if not springs and curvature == "exact" else 0
+    damping = values.notNegative(f"{name}.damping", damping, "s")
+    return Section(diameter, mat.young * area, bending, mat.density * area, damping, kind, mat)
+
+
+def findMaterial(name, material):
+    """The HollarsMat with a label or id, or the given one, its values checked."""
+    where = f"{name}.material"
+    if isinstance(material, wrapper.Material):
+        mat = material
+    else:
+        try:
+            mat = O.materials[material]
+        except (KeyError, IndexError):
+            known = [m.label for m in O.materials if m.label]
+            remedy = f"no such material in O.materials (labels there: {known}); append a HollarsMat"
+            values.refuse(where, material, remedy)
+    if not isinstance(mat, wrapper.HollarsMat):
+        values.refuse(
+            where, material, f"is a {type(mat).__name__}, but cables need a HollarsMat", TypeError
+        )
+    checkMaterial(mat)
+    return mat
+
+
+def checkMaterial(mat):
+    """Refuses a HollarsMat that cannot be computed with; warns of one that is unlikely to be
+    meant.
+    """
+    name = f"HollarsMat {mat.label!r}" if mat.label else "HollarsMat"
+    values.positive(f"{name}.young", mat.young, "Pa")
+    values.positive(f"{name}.density", mat.density, "kg/m3")
+    values.positive(f"{name}.transitionVelocity", mat.transitionVelocity, "m/s")
+    values.notNegative(f"{name}.staticFriction", mat.staticFriction, "-")
+    values.notNegative(f"{name}.kineticFriction", mat.kineticFriction, "-")
+    values.notNegative(f"{name}.impactDamping", mat.impactDamping, "s/m")
+    if not -1 < mat.poisson <= 0.5:
+        values.refuse(f"{name}.poisson", mat.poisson, "must be above -1 and at most 0.5")
+    if mat.kineticFriction > mat.staticFriction:
+        warnings.warn(
+            f"{name}.kineticFriction = {mat.kineticFriction!r} is larger than staticFriction = "
+            f"{mat.staticFriction!r}: friction that rises with speed is unusual; exchange the two?",
+            stacklevel=4,
+        )
+
+
+class Span:
+    """Elements in a row as one curve: a cable, or one edge of a net. s in [0, 1] is measured by
+    unstressed length.
+    """
+
+    def __init__(self, structure, run):
+        self._structure, self._run = structure, run
+        lengths = structure._layout.length[run.first : run.first + run.count]
+        self._arc = np.concatenate([[0.0], np.cumsum(lengths)])
+
+    @property
+    def length(self):
+        """Unstressed length [m]."""
+        return float(self._arc[-1])
+
+    def _place(self, s):
+        s = values.finite(f"{self._structure.name}: s", s, "-")
+        if not 0 <= s <= 1:
+            values.refuse(f"{self._structure.name}: s", s, "must be from 0 to 1")
+        at = s * self._arc[-1]
+        k = min(int(np.searchsorted(self._arc, at, side="right")) - 1, self._run.count - 1)
+        return k, min((at - self._arc[k]) / (self._arc[k + 1] - self._arc[k]), 1.0)
+
+    def _engineElement(self, k):
+        return self._structure._first[1] + self._run.first + k
+
+    def point(self, s):
+        """Position at s [m], Vector3."""
+        k, xi = self._place(s)
+        if self._structure.appended:
+            return self._structure.engine.point(self._engineElement(k), xi)
+        return Vector3(*self._structure._at(self._run.first + k, xi)[0])
+
+    def velocity(self, s):
+        """Velocity at s [m/s], Vector3."""
+        k, xi = self._place(s)
+        engine = self._structure._needEngine("velocity")
+        return engine.pointVelocity(self._engineElement(k), xi)
+
+    def tension(self, s):
+        """Tension at s, damping included [N]."""
+        k, xi = self._place(s)
+        return self._structure._needEngine("tension").tension(self._engineElement(k), xi)
+
+    def strain(self, s):
+        """Strain at s [-]: Green's for ANCF, engineering strain for springs."""
+        k, xi = self._place(s)
+        return self._structure._needEngine("strain").strain(self._engineElement(k), xi)
+
+    def curve(self, k=8):
+        """Points on the cubic curve, k per element and the last end: (k count + 1, 3) numpy [m]."""
+        k = values.count(f"{self._structure.name}.curve", k, 1)
+        xi = np.arange(k) / k
+        run = self._run
+        nodes, slopes, ends = self._structure._state()
+        parts = [
+            self._structure._points(nodes, slopes, ends, e, xi)
+            for e in range(run.first, run.first + run.count)
+        ]
+        return np.vstack([*parts, nodes[ends[run.first + run.count - 1][1]]])
+
+    def stations(self, k=8):
+        """s of the points of curve(k), (k count + 1) numpy."""
+        xi = np.arange(k) / k
+        along = [
+            self._arc[e] + xi * (self._arc[e + 1] - self._arc[e]) for e in range(self._run.count)
+        ]
+        return np.append(np.concatenate(along) / self._arc[-1], 1.0)
+
+    def tensions(self, k=8):
+        """Tension at the points of curve(k), (k count + 1) numpy [N]."""
+        engine = self._structure._needEngine("tensions")
+        at = [(e, i / k) for e in range(self._run.count) for i in range(k)]
+        at.append((self._run.count - 1, 1.0))
+        return np.array([engine.tension(self._engineElement(e), xi) for e, xi in at])
+
+
+class Structure:
+    """Nodes and elements under one name. Conditions on knots may be set before and after
+    append().
+    """
+
+    def __init__(self, name, section, layout, contactPoints, selfContact, mask):
+        self.name = name
+        self.section = section
+        self.bodies = []  # ids of the contact points in O.bodies
+        self.selfContact = bool(selfContact)
+        self.mask = values.count(f"{name}.mask", mask, 1)
+        self._layout = layout
+        self.spans = [Span(self, run) for run in layout.runs]
+        self._contactPoints = values.count(f"{name}.contactPoints", contactPoints, 0)
+        self._engine = None  # engine() looks it up again after O.load
+        self._family = None
+        self._first = (0, 0)  # numbers of our first node and element in the engine
+        self._claims = {}  # knot -> what holds it
+        self._later = []  # conditions to be carried out at append
+        self._velocity = None  # (nodes (n, 3), slopes (2 E, 3)) at the start
+        self._attached = []  # (knot, body id) carried or followed
+        self._ties = []  # (structure, knot, structure, knot) to be made once both are in an engine
+
+    # ---- sizes -----------------------------------------------------------------------------------
+
+    @property
+    def length(self):
+        """Unstressed length of all elements [m]."""
+        return float(sum(self._layout.length))
+
+    @property
+    def mass(self):
+        """Mass without carried bodies [kg]."""
+        return self.section.rhoA * self.length
+
+    @property
+    def radius(self):
+        """Radius of the contact points [m]."""
+        return 0.5 * self.section.diameter
+
+    @property
+    def elementCount(self):
+        return len(self._layout.ends)
+
+    @property
+    def nodeCount(self):
+        return len(self._layout.nodes)
+
+    # ---- into the scene --------------------------------------------------------------------------
+
+    @property
+    def appended(self):
+        """True once append() was called."""
+        return self._family is not None
+
+    @property
+    def engine(self):
+        """The CableEngine that computes this: the one with our family number in O.engines, also
+        after O.load.
+        """
+        if not self.appended:
+            return None
+        for engine in cableEngines():
+            if engine.family == self._family:
+                return engine
+        return self._engine
+
+    def append(self, engine=None):
+        """Puts the contact points into O.bodies and nodes and elements into a CableEngine.
+
+        engine: the CableEngine to join (`other.engine`); None makes a new one, which goes between
+        InteractionLoop and NewtonIntegrator if O.engines has them. Returns self. Raises
+        RuntimeError if it was appended before, ValueError if O is periodic.
+        """
+        if self.appended:
+            raise RuntimeError(f"{self.name}.append: was appended before")
+        if O.periodic:
+            raise ValueError(
+                "O.periodic = True: cables do not know periodic cells; set it to False"
+            )
+        if engine is not None and not isinstance(engine, wrapper.CableEngine):
+            remedy = "must be a CableEngine, such as other.engine of a cable that was appended"
+            values.refuse(f"{self.name}.append: engine", engine, remedy, TypeError)
+        self._engine = engine or _newEngine()
+        self._family = self._engine.family
+        self._first = self._addElements(self._engine)
+        self._pushVelocity()
+        self._tieAll()
+        self._addPoints()
+        for condition in self._later:
+            condition()
+        self._later = []
+        self._appendBodies()
+        _insertEngine(self._engine)
+        return self
+
+    def _addElements(self, engine):
+        lay, sec = self._layout, self.section
+        return engine.add(
+            [Vector3(*p) for p in lay.nodes],
+            [Vector3(*g) for g in lay.slopes],
+            [n for ends in lay.ends for n in ends],
+            lay.next,
+            sec.kind,
+            [float(l) for l in lay.length],
+            sec.ea,
+            sec.ei,
+            sec.rhoA,
+            sec.damping,
+        )
+
+    def _appendBodies(self):
+        """Bodies that belong to the structure and come with it (bullets of a net)."""
+
+    def _sites(self):
+        """Places of the contact points: one at every node, whatever meets there, and some inside
+        each element.
+        """
+        if self._contactPoints == 0:
+            return []
+        inside = 0 if self.section.kind & SPRING else self._contactPoints
+        sites, seen = [], set()
+        for number, run in enumerate(self._layout.runs):
+            arc = 0.0
+            for e in range(run.first, run.first + run.count):
+                length = self._layout.length[e]
+                steps = [(i / (inside + 1), -1) for i in range(1, inside + 1)]
+                start, end = self._layout.ends[e]
+                for xi, node in [(0.0, start), *steps, (1.0, end)]:
+                    if node < 0 or node not in seen:
+                        sites.append(Site(e, xi, node, number, arc + xi * length))
+                    seen.add(node)
+                arc += length
+        return sites
+
+    def _addPoints(self):
+        engine, (firstNode, firstElement) = self.engine, self._first
+        taken = self._pointNodes(engine)
+        group = self.mask | (0 if self.selfContact else 1 << (22 + self._family % 8))
+        material = _inContainer(self.section.material)
+        for site in self._sites():
+            node = engine.tied(firstNode + site.node) if site.node >= 0 else -1
+            if node in taken:
+                continue
+            body = wrapper.Body()
+            body.shape = wrapper.CablePoint(
+                radius=self.radius,
+                element=firstElement + site.element,
+                xi=site.xi,
+                node=node,
+                family=self._family,
+                edge=firstElement + self._layout.runs[site.run].first,
+                arc=site.arc,
+                selfContact=self.selfContact,
+            )
+            body.material = material
+            body.groupMask = group
+            body.state.pos = body.state.refPos = Vector3(*self._at(site.element, site.xi)[0])
+            body.state.mass = 0
+            body.state.blockedDOFs = "xyzXYZ"
+            number = O.bodies.append(body)
+            engine.addPoint(number, firstElement + site.element, site.xi)
+            self.bodies.append(number)
+
+    def _pointNodes(self, engine):
+        """Nodes of the engine that have a contact point already (a knot tied to one that was
+        appended before).
+        """
+        shapes = [O.bodies[i].shape for i in engine.pointIds if O.bodies[i]]
+        return {engine.tied(s.node) for s in shapes if s.node >= 0}
+
+    # ---- conditions on knots ---------------------------------------------------------------------
+
+    def knot(self, number):
+        """`number` counted from 0; negative counts from the last knot. IndexError if there is
+        none.
+        """
+        if isinstance(number, bool) or not isinstance(number, (int, np.integer)):
+            values.refuse(f"{self.name}: knot", number, "must be a whole number", TypeError)
+        n = self._layout.knots
+        if not -n <= number < n:
+            remedy = f"there are {n} knots, so use 0 to {n - 1} or -{n} to -1"
+            values.refuse(f"{self.name}: knot", number, remedy, IndexError)
+        return int(number) % n
+
+    def _node(self, knot):
+        """Number in the engine of what stands for a knot."""
+        return self.engine.tied(self._first[0] + knot)
+
+    def _claim(self, knot, what):
+        held = self._claims.get(knot)
+        if held and held != what and {held, what} != {"fixed", "clamped"}:
+            raise ValueError(
+                f"{self.name}: knot {knot} is {held} and cannot be {what} as well; "
+                f"release({knot}) first, or take another knot"
+            )
+        self._claims[knot] = "clamped" if held == "clamped" else what
+
+    def _when(self, condition):
+        """Carries a condition out now, or at append."""
+        if self.appended:
+            condition()
+        else:
+            self._later.append(condition)
+
+    def fix(self, knot):
+        """Holds a knot where it is."""
+        knot = self.knot(knot)
+        held = self._claims.get(knot) in ("fixed", "clamped")
+        self._claim(knot, "fixed")
+        if not held:
+            self._when(lambda: self.engine.fix(self._node(knot)))
+
+    def clamp(self, knot):
+        """Holds a knot where it is and the slopes of the cables at it. ValueError for springs,
+        which have none.
+        """
+        knot = self.knot(knot)
+        if self.section.kind & SPRING:
+            raise ValueError(
+                f"{self.name}.clamp({knot}): springs have no slopes; use model='ancf', or fix"
+            )
+        wasHeld = self._claims.get(knot) in ("fixed", "clamped")
+        self._claim(knot, "clamped")
+        self._when(lambda: self._clampNow(knot, wasHeld))
+
+    def _clampNow(self, knot, wasHeld):
+        engine = self.engine
+        if not wasHeld:
+            engine.fix(self._node(knot))
+        for e, ends in enumerate(self._layout.ends):
+            for end in (0, 1):
+                if ends[end] == knot:
+                    engine.clamp(self._first[1] + e, end)
+
+    def follow(self, knot, bodyId):
+        """Keeps a knot at its place in a body's frame, whatever moves the body."""
+        knot = self.knot(knot)
+        findBody(f"{self.name}.follow", bodyId)
+        self._claim(knot, f"following body {bodyId}")
+        self._when(lambda: self._followNow(knot, bodyId))
+
+    def _followNow(self, knot, bodyId):
+        self.engine.follow(self._node(knot), bodyId)
+        self._attach(knot, bodyId)
+
+    def carry(self, knot, bodyId, at=(0, 0, 0)):
+        """Hangs a body on a knot: the knot stays at `at` [m] in the body's frame, the body's mass
+        moves with it.
+
+        Carried at its centre, the body's translation becomes the knot's (blockedDOFs 'xyz'). A body
+        that moves gives the knot its velocity. Raises ValueError for a body without mass, or one
+        carried elsewhere.
+        """
+        knot = self.knot(knot)
+        body = findBody(f"{self.name}.carry", bodyId)
+        at = values.vector(f"{self.name}.carry: at", at)
+        values.positive(f"{self.name}.carry: mass of body {bodyId}", body.state.mass, "kg")
+        self._claim(knot, f"carrying body {bodyId}")
+        self._when(lambda: self._carryNow(knot, bodyId, at))
+
+    def _carryNow(self, knot, bodyId, at):
+        engine, state = self.engine, O.bodies[bodyId].state
+        if state.vel.norm() > 0 or state.angVel.norm() > 0:
+            arm = state.ori * Vector3(*at)
+            self._writeVelocity({knot: state.vel + state.angVel.cross(arm)}, {})
+        engine.carry(self._node(knot), bodyId, Vector3(*at))
+        self._attach(knot, bodyId)
+
+    def load(self, knot, force):
+        """Lets a constant force [N] act on a knot; a second call replaces the first."""
+        knot = self.knot(knot)
+        force = Vector3(*values.vector(f"{self.name}.load: force", force))
+        self._when(lambda: self.engine.load(self._node(knot), force))
+
+    def release(self, knot):
+        """Lets a fixed or following knot go, and takes its load away."""
+        knot = self.knot(knot)
+        held = self._claims.pop(knot, "")
+        if held.startswith(("carrying", "tied")):
+            self._claims[knot] = held
+            raise ValueError(f"{self.name}.release({knot}): it is {held}, which is for good")
+        self._when(lambda: self.engine.release(self._node(knot)))
+
+    def tie(self, knot, other, otherKnot):
+        """Makes a knot of this and one of another (or the same) structure one. ValueError if their
+        engines differ.
+        """
+        if not isinstance(other, Structure):
+            values.refuse(f"{self.name}.tie: other", other, "must be a Cable or a Net", TypeError)
+        knot, otherKnot = self.knot(knot), other.knot(otherKnot)
+        if self is other and knot == otherKnot:
+            raise ValueError(f"{self.name}.tie: knot {knot} cannot be tied to itself")
+        if self.appended and other.appended:
+            self._sameEngine(other)
+        apart = np.linalg.norm(self.knots[knot] - other.knots[otherKnot])
+        if apart > 1e-6 * max(self._layout.length):
+            raise ValueError(
+                f"{self.name}.tie: knot {knot} is {apart:g} m away from knot {otherKnot} of "
+                f"{other.name}; "
+                "lay them at the same place"
+            )
+        self._claim(knot, f"tied to knot {otherKnot} of {other.name}")
+        tie = (self, knot, other, otherKnot)
+        if self.appended and other.appended:
+            _tieNow(*tie)
+        else:
+            for structure in {self, other}:
+                structure._ties.append(tie)
+
+    def _sameEngine(self, other):
+        if self._family != other._family:
+            raise ValueError(
+                f"{self.name}.tie: {other.name} is in another CableEngine; "
+                "append the second with append(engine=first.engine)"
+            )
+
+    def _tieAll(self):
+        for tie in list(self._ties):
+            mine, _, other, _ = tie
+            if mine.appended and other.appended:
+                mine._sameEngine(other)
+                _tieNow(*tie)
+                for structure in {mine, other}:
+                    structure._ties.remove(tie)
+
+    def _attach(self, knot, bodyId):
+        """The point of a knot, and those that lie within the body now, never touch the body that it
+        carries or follows.
+        """
+        self._attached.append((knot, bodyId))
+        body, node = O.bodies[bodyId], self._node(knot)
+        members = [bodyId, *body.shape.members.keys()] if body.isClump else [bodyId]
+        for number in self.bodies:
+            point = O.bodies[number]
+            excluded = [
+                m
+                for m in members
+                if point.shape.node == node or _overlaps(O.bodies[m], point.state.pos, self.radius)
+            ]
+            if excluded:
+                point.shape.exclude = list(point.shape.exclude) + excluded
+
+    # ---- state -----------------------------------------------------------------------------------
+
+    def setVelocity(self, f):
+        """Gives every point p the velocity f(p): f takes and returns a Vector3 ([m], [m/s]).
+
+        Slopes change at the rate of f along them (central difference). Bodies carried at knots move
+        along.
+        """
+        nodes, slopes, ends = self._state()
+        step = 1e-4 * min(self._layout.length)
+
+        def at(p):
+            return values.vector(f"{self.name}.setVelocity: f({tuple(p)})", f(Vector3(*p)))
+
+        ofNodes = np.array([at(p) for p in nodes])
+        ofSlopes = np.empty_like(slopes)
+        for i, g in enumerate(slopes):
+            p = nodes[ends[i // 2][i % 2]]
+            ofSlopes[i] = (at(p + 0.5 * step * g) - at(p - 0.5 * step * g)) / step
+        self._velocity = (ofNodes, ofSlopes)
+        if self.appended:
+            self._pushVelocity()
+        for knot, bodyId in self._attached:
+            if self._claims.get(knot, "").startswith("carrying"):
+                state = O.bodies[bodyId].state
+                state.vel = f(state.pos)
+
+    def _pushVelocity(self):
+        if self._velocity is not None:
+            nodes, slopes = self._velocity
+            self._writeVelocity(dict(enumerate(nodes)), dict(enumerate(slopes)))
+
+    def _writeVelocity(self, nodes, slopes):
+        """Writes velocities {node: (3,)} and slope rates {2 e + end: (3,)} into the engine."""
+        engine = self.engine
+        v = np.array(engine.velocity).reshape(3, -1)
+        firstNode, firstElement = self._first
+        for i, value in nodes.items():
+            v[:, engine.tied(firstNode + i)] = [float(x) for x in value]
+        for i, value in slopes.items():
+            v[:, engine.nNodes + (i % 2) * engine.nElements + firstElement + i // 2] = value
+        engine.velocity = v.ravel().tolist()
+
+    def _state(self):
+        """Nodes (n, 3), slopes (2 E, 3), ends (E, 2), ours only, as they are now."""
+        lay = self._layout
+        if not self.appended:
+            return np.array(lay.nodes), np.array(lay.slopes), lay.ends
+        engine, (firstNode, firstElement) = self.engine, self._first
+        x = np.array(engine.position).reshape(3, -1)
+        nodes = x[:, [engine.tied(firstNode + i) for i in range(len(lay.nodes))]].T
+        start = engine.nNodes + firstElement
+        end = start + engine.nElements
+        count = len(lay.ends)
+        slopes = np.stack([x[:, start : start + count], x[:, end : end + count]], -1)
+        return nodes, slopes.reshape(3, -1).T, lay.ends
+
+    def _points(self, nodes, slopes, ends, e, xi):
+        """Positions (n, 3) at xi (n) of element e."""
+        r0, r1 = nodes[ends[e][0]], nodes[ends[e][1]]
+        if self.section.kind & SPRING:
+            return r0 + np.outer(xi, r1 - r0)
+        ends4 = np.stack([r0, slopes[2 * e], r1, slopes[2 * e + 1]])
+        return shape(xi, self._layout.length[e]) @ ends4
+
+    def _at(self, e, xi):
+        return self._points(*self._state(), e, np.array([xi]))
+
+    def _needEngine(self, what):
+        if not self.appended:
+            raise RuntimeError(f"{self.name}.{what}: append() first")
+        return self.engine
+
+    @property
+    def knots(self):
+        """Positions of the knots, (K, 3) numpy [m]."""
+        return self._state()[0][: self._layout.knots]
+
+    def reaction(self, knot):
+        """Force that holds a knot [N], Vector3: by what fixes or leads it; for a carried body, by
+        the body.
+        """
+        knot = self.knot(knot)
+        return self._needEngine("reaction").reaction(self._node(knot))
+
+    def energy(self):
+        """Energies [J]: kinetic, axial, bending, gravity; carried bodies not counted."""
+        engine, first = self._needEngine("energy"), self._first[1]
+        return dict(engine.energy(first, first + self.elementCount))
+
+    # ---- statics and time step -------------------------------------------------------------------
+
+    def criticalTimeStep(self):
+        """Largest stable step of the engine's cables, contacts not counted [s]."""
+        return self._needEngine("criticalTimeStep").criticalTimeStep()
+
+    def relax(self, tolerance=1e-8, iterations=1000):
+        """Moves all cables of the engine to static equilibrium under gravity and loads, at rest.
+
+        tolerance: of the force on every free unknown, as part of the largest force. RuntimeError if
+        none is found.
+        """
+        engine = self._needEngine("relax")
+        engine.relax(values.positive(f"{self.name}.relax: tolerance", tolerance, "-"), iterations)
+
+
+def findBody(where, bodyId):
+    """O.bodies[bodyId]; IndexError if there is none, ValueError for a contact point of a cable."""
+    whole = isinstance(bodyId, (int, np.integer)) and not isinstance(bodyId, bool)
+    if not whole or not 0 <= bodyId < len(O.bodies) or O.bodies[bodyId] is None:
+        values.refuse(f"{where}: bodyId", bodyId, "there is no such body in O.bodies", IndexError)
+    body = O.bodies[bodyId]
+    if isinstance(body.shape, wrapper.CablePoint):
+        values.refuse(
+            f"{where}: bodyId", bodyId, "is a contact point of a cable; tie knots instead"
+        )
+    return body
+
+
+def cableEngines():
+    """The CableEngines of O.engines."""
+    return [e for e in O.engines if isinstance(e, wrapper.CableEngine)]
+
+
+def _newEngine():
+    families = [e.family for e in cableEngines()]
+    families += [b.shape.family for b in O.bodies if isinstance(b.shape, wrapper.CablePoint)]
+    return wrapper.CableEngine(family=max(families, default=0) + 1)
+
+
+def _insertEngine(engine):
+    """Puts the engine before NewtonIntegrator if O.engines has one and not yet the engine."""
+    engines = list(O.engines)
+    newton = [i for i, e in enumerate(engines) if isinstance(e, wrapper.NewtonIntegrator)]
+    if newton and all(e.family != engine.family for e in cableEngines()):
+        O.engines = engines[: newton[0]] + [engine] + engines[newton[0] :]
+
+
+def _inContainer(material):
+    """The material, in O.materials."""
+    if material.id < 0:
+        O.materials.append(material)
+    return material
+
+
+def _tieNow(mine, knot, other, otherKnot):
+    mine.engine.tie(other._node(otherKnot), mine._node(knot))
+
+
+def _overlaps(body, point, radius):
+    """Whether a ball around `point` overlaps a sphere or box."""
+    if isinstance(body.shape, wrapper.Sphere):
+        return (body.state.pos - point).norm() < body.shape.radius + radius
+    if isinstance(body.shape, wrapper.Box):
+        local = body.state.ori.conjugate() * (point - body.state.pos)
+        return all(abs(local[i]) < body.shape.extents[i] + radius for i in range(3))
+    return False
