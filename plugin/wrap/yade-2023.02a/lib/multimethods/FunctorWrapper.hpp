@@ -19,7 +19,7 @@ template <class Result, class Args> class FunctorWrapper {
 
 public:
     FunctorWrapper() noexcept {}
-    virtual ~FunctorWrapper();
+    virtual ~FunctorWrapper() {} // not exported by the libraries; needed without optimization
     virtual std::string checkOrder() const;
 
     virtual Result go(A0);
