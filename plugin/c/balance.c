@@ -2,8 +2,7 @@
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
 
-void ancf_energy_of(ancf_energy *energy, const ancf_model *m, int begin, int end)
-{
+void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end) {
     energy->kinetic = energy->gravity = 0.0;
     ancf_elastic_energy(&energy->axial, &energy->bending, m, m->x, begin, end);
     for (int e = begin; e < end; ++e) {
@@ -24,16 +23,14 @@ void ancf_energy_of(ancf_energy *energy, const ancf_model *m, int begin, int end
 }
 
 // The sum over both copies of a shared slope would count it twice: only the start's is taken.
-static bool counts(const ancf_model *m, int dof)
-{
+static bool counts(const ancf_model* m, int dof) {
     const int end = dof - m->n_nodes - m->n_elements;
     return end < 0 || m->next[end] < 0;
 }
 
-void ancf_momentum(double linear[3], double angular[3], ancf_model *m)
-{
+void ancf_momentum(double linear[3], double angular[3], ancf_model* m) {
     const int s = m->stride;
-    double *p = m->work;
+    double* p = m->work;
     ancf_mass_multiply(m, p, m->v);
     for (int c = 0; c < 3; ++c) linear[c] = angular[c] = 0.0;
     for (int i = 0; i < m->n_dof; ++i) {

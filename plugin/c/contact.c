@@ -70,20 +70,21 @@ static void kick(const ancf_model* m, const ancf_contact* c, const double arm[3]
     const double back[3] = {-impulse[0], -impulse[1], -impulse[2]};
     kick_point(m, velocity, c->point, impulse);
     if (c->other) kick_point(m, velocity, c->other, back);
-    else if (c->partner) kick_partner(c->partner, arm, back);
+    if (c->partner) kick_partner(c->partner, arm, back);
 }
 
 static void relative_velocity(double v[3], const ancf_model* m, const ancf_contact* c, const double arm[3],
                               const double* velocity) {
-    double u[3] = {0.0, 0.0, 0.0};
+    double u[3];
     field_at(v, m, velocity, c->point);
     if (c->other) {
         field_at(u, m, velocity, c->other);
-    } else if (c->partner) {
-        cross(u, c->partner->spin, arm);
-        for (int i = 0; i < 3; i++) u[i] += c->partner->velocity[i];
+        for (int i = 0; i < 3; i++) v[i] -= u[i];
     }
-    for (int i = 0; i < 3; i++) v[i] -= u[i];
+    if (c->partner) {
+        cross(u, c->partner->spin, arm);
+        for (int i = 0; i < 3; i++) v[i] -= u[i] + c->partner->velocity[i];
+    }
 }
 
 // Mean over the tangent plane of a body's response at the point, half the trace of P (M^-1 - [a] I^-1 [a]) P [1/kg].
@@ -105,7 +106,7 @@ static double partner_compliance(const ancf_partner* p, const double arm[3], con
 static double compliance(const ancf_contact* c, const double arm[3]) {
     double w = c->point->compliance;
     if (c->other) w += c->other->compliance;
-    else if (c->partner) w += partner_compliance(c->partner, arm, c->normal);
+    if (c->partner) w += partner_compliance(c->partner, arm, c->normal);
     return w;
 }
 
@@ -116,7 +117,7 @@ static bool rubs(const ancf_contact* c) { return c->normal_force > 0.0 && c->law
 // nothing changes any more, f belongs to the true velocity, even if w was only near the response in that direction.
 static double relax(const ancf_model* m, ancf_contact* c, double dt, double* velocity) {
     double arm[3] = {0.0, 0.0, 0.0}, v[3], change[3], impulse[3];
-    if (c->partner && !c->other) lever(arm, m, c);
+    if (c->partner) lever(arm, m, c);
     relative_velocity(v, m, c, arm, velocity);
     project(v, c->normal);
     const double w = compliance(c, arm);
@@ -143,7 +144,7 @@ static double start(const ancf_model* m, ancf_contact* c, double dt, double* vel
     }
     project(c->friction, c->normal);
     for (int i = 0; i < 3; i++) impulse[i] = dt * c->friction[i];
-    if (c->partner && !c->other) lever(arm, m, c);
+    if (c->partner) lever(arm, m, c);
     kick(m, c, arm, impulse, velocity);
     return fmax(c->law->mu_s, c->law->mu_k) * c->normal_force;
 }

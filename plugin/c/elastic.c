@@ -5,10 +5,10 @@
 #include <float.h>
 #include <math.h>
 
-// Green's strain at xi is eps = w(xi).(G - 1)/2 with the six dot products G = (g0.g0, d.d, g1.g1, g0.d, g0.g1, d.g1) and
-// w = (a2, b2, c2, 2ab, 2ac, 2bc). The axial energy EA L/2 int eps^2 is therefore exactly (EA L/8) y^T W y with y = G - 1
-// and the constant W = int w w^T; the force is the chain rule over G. Rates of G are objective, so Kelvin-Voigt damping
-// is y + eta dG/dt in the place of y.
+// Green's strain at xi is eps = w(xi).(G - 1)/2 with the six dot products G = (g0.g0, d.d, g1.g1, g0.d, g0.g1, d.g1)
+// and w = (a2, b2, c2, 2ab, 2ac, 2bc). The axial energy EA L/2 int eps^2 is therefore exactly (EA L/8) y^T W y with y =
+// G - 1 and the constant W = int w w^T; the force is the chain rule over G. Rates of G are objective, so Kelvin-Voigt
+// damping is y + eta dG/dt in the place of y.
 
 static const double gauss3_xi[3] = {0.5 - 0.38729833462074170, 0.5, 0.5 + 0.38729833462074170};
 static const double gauss3_weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
@@ -17,8 +17,7 @@ static const double gauss5_xi[5] = {0.5 - 0.45308992296933199640, 0.5 - 0.269234
 static const double gauss5_weight[5] = {0.11846344252809454376, 0.23931433524968323402, 0.28444444444444444444,
                                         0.23931433524968323402, 0.11846344252809454376};
 
-static void strain_weights(double w[6], double xi)
-{
+static void strain_weights(double w[6], double xi) {
     double s[3];
     ancf_shape_slope(s, xi);
     w[0] = s[0] * s[0];
@@ -29,8 +28,7 @@ static void strain_weights(double w[6], double xi)
     w[5] = 2.0 * s[1] * s[2];
 }
 
-static void axial_rule(double W[21], int n, const double *xi, const double *weight)
-{
+static void axial_rule(double W[21], int n, const double* xi, const double* weight) {
     for (int k = 0; k < 21; ++k) W[k] = 0.0;
     for (int p = 0; p < n; ++p) {
         double w[6];
@@ -40,19 +38,14 @@ static void axial_rule(double W[21], int n, const double *xi, const double *weig
     }
 }
 
-void ancf_axial_rules(double exact[21], double reduced[21])
-{
+void ancf_axial_rules(double exact[21], double reduced[21]) {
     axial_rule(exact, 5, gauss5_xi, gauss5_weight);
     axial_rule(reduced, 3, gauss3_xi, gauss3_weight);
 }
 
-ANCF_INLINE double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+ANCF_INLINE double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-ANCF_INLINE void gram_of(double G[6], const double g0[3], const double d[3], const double g1[3])
-{
+ANCF_INLINE void gram_of(double G[6], const double g0[3], const double d[3], const double g1[3]) {
     G[0] = dot(g0, g0);
     G[1] = dot(d, d);
     G[2] = dot(g1, g1);
@@ -62,8 +55,7 @@ ANCF_INLINE void gram_of(double G[6], const double g0[3], const double d[3], con
 }
 
 ANCF_INLINE void gram_rate_of(double R[6], const double g0[3], const double d[3], const double g1[3],
-                              const double g0v[3], const double dv[3], const double g1v[3])
-{
+                              const double g0v[3], const double dv[3], const double g1v[3]) {
     R[0] = 2.0 * dot(g0, g0v);
     R[1] = 2.0 * dot(d, dv);
     R[2] = 2.0 * dot(g1, g1v);
@@ -72,8 +64,7 @@ ANCF_INLINE void gram_rate_of(double R[6], const double g0[3], const double d[3]
     R[5] = dot(d, g1v) + dot(dv, g1);
 }
 
-ANCF_INLINE void multiply6(double h[6], const double W[21], const double y[6])
-{
+ANCF_INLINE void multiply6(double h[6], const double W[21], const double y[6]) {
     h[0] = W[0] * y[0] + W[1] * y[1] + W[2] * y[2] + W[3] * y[3] + W[4] * y[4] + W[5] * y[5];
     h[1] = W[1] * y[0] + W[6] * y[1] + W[7] * y[2] + W[8] * y[3] + W[9] * y[4] + W[10] * y[5];
     h[2] = W[2] * y[0] + W[7] * y[1] + W[11] * y[2] + W[12] * y[3] + W[13] * y[4] + W[14] * y[5];
@@ -86,8 +77,7 @@ ANCF_INLINE void multiply6(double h[6], const double W[21], const double y[6])
 static const double tiny_curvature2 = 1e-18;
 
 // EI/2 int |r''|^2 ds = (EI/L)(2 u.u + 2 v.v + 2 u.v), u = g0 - d, v = g1 - d: adds to the forces on g0, d, g1.
-ANCF_INLINE void bend_fast(double f0[3], double fd[3], double f1[3], const double u[3], const double v[3], double ei)
-{
+ANCF_INLINE void bend_fast(double f0[3], double fd[3], double f1[3], const double u[3], const double v[3], double ei) {
     for (int c = 0; c < 3; ++c) {
         const double b0 = ei * (4.0 * u[c] + 2.0 * v[c]), b1 = ei * (4.0 * v[c] + 2.0 * u[c]);
         f0[c] -= b0;
@@ -99,8 +89,7 @@ ANCF_INLINE void bend_fast(double f0[3], double fd[3], double f1[3], const doubl
 // Damping of the fast curvature, by its rate along its own direction at 2 Gauss points (exact for a linear r''): a
 // rigid rotation turns r'' but has no such rate.
 ANCF_INLINE void damp_fast(double f0[3], double fd[3], double f1[3], const double u[3], const double v[3],
-                           const double uv[3], const double vv[3], double ei_eta)
-{
+                           const double uv[3], const double vv[3], double ei_eta) {
     const double root3 = 1.7320508075688772;
     for (int p = 0; p < 2; ++p) {
         const double s = p ? root3 : -root3, wu = s - 1.0, wv = s + 1.0;
@@ -122,8 +111,7 @@ ANCF_INLINE void damp_fast(double f0[3], double fd[3], double f1[3], const doubl
 // q = (Q P - R^2)/P^2 with P = r'.r', R = r'.k, Q = k.k, k = L r''.
 ANCF_INLINE void bend_exact(double f0[3], double fd[3], double f1[3], const double g0[3], const double d[3],
                             const double g1[3], const double g0v[3], const double dv[3], const double g1v[3], double ei,
-                            double eta, int damped)
-{
+                            double eta, int damped) {
     for (int p = 0; p < 3; ++p) {
         double s[3], t[3], r[3], k[3];
         ancf_shape_slope(s, gauss3_xi[p]);
@@ -168,8 +156,7 @@ typedef struct {
     int n;
 } kernel_fields;
 
-ANCF_INLINE void beam_kernel(const kernel_fields *k, const double *rule, int bending, int damped)
-{
+ANCF_INLINE void beam_kernel(const kernel_fields* k, const double* rule, int bending, int damped) {
     double W[21];
     for (int i = 0; i < 21; ++i) W[i] = rule[i];
     const kernel_fields K = *k;
@@ -226,10 +213,7 @@ ANCF_INLINE void beam_kernel(const kernel_fields *k, const double *rule, int ben
 
 // One function per combination that a scene can have, so that none computes what it does not need.
 #define ANCF_BEAM_KERNEL(name, bending, damped)                                                                        \
-    ANCF_CLONES static void name(const kernel_fields *k, const double *rule)                                           \
-    {                                                                                                                  \
-        beam_kernel(k, rule, bending, damped);                                                                         \
-    }
+    ANCF_CLONES static void name(const kernel_fields* k, const double* rule) { beam_kernel(k, rule, bending, damped); }
 ANCF_BEAM_KERNEL(beam_straight, STRAIGHT, 0)
 ANCF_BEAM_KERNEL(beam_straight_damped, STRAIGHT, 1)
 ANCF_BEAM_KERNEL(beam_fast, FAST, 0)
@@ -238,8 +222,7 @@ ANCF_BEAM_KERNEL(beam_exact, EXACT, 0)
 ANCF_BEAM_KERNEL(beam_exact_damped, EXACT, 1)
 
 // Tension-only spring and damper, k = EA/dl (Eq. 1), engineering strain |d| - 1.
-ANCF_CLONES static void spring_kernel(const kernel_fields *k)
-{
+ANCF_CLONES static void spring_kernel(const kernel_fields* k) {
     const kernel_fields K = *k;
 #pragma GCC ivdep
     for (int e = 0; e < K.n; ++e) {
@@ -258,32 +241,29 @@ ANCF_CLONES static void spring_kernel(const kernel_fields *k)
     }
 }
 
-static void choose_kernel(const ancf_model *m, const ancf_group *g, const kernel_fields *k)
-{
+static void choose_kernel(const ancf_model* m, const ancf_group* g, const kernel_fields* k) {
     if (g->kind & ANCF_SPRING) {
         spring_kernel(k);
         return;
     }
-    static void (*const beam[3][2])(const kernel_fields *, const double *) = {
+    static void (*const beam[3][2])(const kernel_fields*, const double*) = {
         {beam_straight, beam_straight_damped}, {beam_fast, beam_fast_damped}, {beam_exact, beam_exact_damped}};
     const int bending = !g->bending ? STRAIGHT : g->kind & ANCF_CURVATURE_EXACT ? EXACT : FAST;
     beam[bending][g->damped](k, g->kind & ANCF_AXIAL_REDUCED ? m->axial_reduced : m->axial_exact);
 }
 
 // d = (r1 - r0)/L of every element, (3 x n_elements).
-static void gather(double *d, const ancf_model *m, const double *x)
-{
+static void gather(double* d, const ancf_model* m, const double* x) {
     const int n = m->n_elements;
     for (int c = 0; c < 3; ++c) {
-        const double *u = x + c * m->stride;
-        double *dc = d + c * n;
+        const double* u = x + c * m->stride;
+        double* dc = d + c * n;
         for (int e = 0; e < n; ++e) dc[e] = (u[m->ends[2 * e + 1]] - u[m->ends[2 * e]]) * m->inv_length[e];
     }
 }
 
 // Force on a node: plus that on d/L of the elements that end there, minus that of those that start there.
-static void scatter(double *force, const ancf_model *m, const double *fd)
-{
+static void scatter(double* force, const ancf_model* m, const double* fd) {
     const int n = m->n_elements;
     for (int i = 0; i < m->n_nodes; ++i) {
         double sum[3] = {0.0, 0.0, 0.0};
@@ -296,21 +276,19 @@ static void scatter(double *force, const ancf_model *m, const double *fd)
     }
 }
 
-static bool any_damped(const ancf_model *m)
-{
+static bool any_damped(const ancf_model* m) {
     for (int g = 0; g < m->n_groups; ++g)
         if (m->group[g].damped || m->group[g].kind & ANCF_SPRING) return true;
     return false;
 }
 
-void ancf_elastic_force(ancf_model *m, double *force, const double *x, const double *v)
-{
+void ancf_elastic_force(ancf_model* m, double* force, const double* x, const double* v) {
     const int n = m->n_elements;
     double *d = m->scratch, *dv = d + 3 * n, *fd = dv + 3 * n;
     gather(d, m, x);
     if (any_damped(m)) gather(dv, m, v);
     for (int i = 0; i < m->n_groups; ++i) {
-        const ancf_group *g = &m->group[i];
+        const ancf_group* g = &m->group[i];
         const int b = g->begin, start = m->n_nodes + b, end = start + n;
         kernel_fields k = {.inv_length = m->inv_length + b,
                            .ea = m->ea_length + b,
@@ -335,20 +313,18 @@ void ancf_elastic_force(ancf_model *m, double *force, const double *x, const dou
 }
 
 // An element's (g0, d, g1) in a field.
-static void element_vectors(double g0[3], double d[3], double g1[3], const ancf_model *m, const double *x, int e)
-{
+static void element_vectors(double g0[3], double d[3], double g1[3], const ancf_model* m, const double* x, int e) {
     int dof[4];
     ancf_model_dofs(dof, m, e);
     for (int c = 0; c < 3; ++c) {
-        const double *u = x + c * m->stride;
+        const double* u = x + c * m->stride;
         g0[c] = u[dof[1]];
         d[c] = (u[dof[2]] - u[dof[0]]) * m->inv_length[e];
         g1[c] = u[dof[3]];
     }
 }
 
-static double axial_energy(const ancf_model *m, int e, const double g0[3], const double d[3], const double g1[3])
-{
+static double axial_energy(const ancf_model* m, int e, const double g0[3], const double d[3], const double g1[3]) {
     if (m->element[e].kind & ANCF_SPRING) {
         const double strain = sqrt(dot(d, d)) - 1.0;
         return strain > 0.0 ? 0.5 * m->element[e].ea * m->element[e].length * strain * strain : 0.0;
@@ -361,8 +337,7 @@ static double axial_energy(const ancf_model *m, int e, const double g0[3], const
     return 0.5 * m->ea_length[e] * sum;
 }
 
-static double bending_energy(const ancf_model *m, int e, const double g0[3], const double d[3], const double g1[3])
-{
+static double bending_energy(const ancf_model* m, int e, const double g0[3], const double d[3], const double g1[3]) {
     double sum = 0.0;
     for (int p = 0; p < 3; ++p) {
         double s[3], t[3], r[3], k[3];
@@ -378,8 +353,7 @@ static double bending_energy(const ancf_model *m, int e, const double g0[3], con
     return 0.5 * m->ei_length[e] * sum;
 }
 
-void ancf_elastic_energy(double *axial, double *bending, const ancf_model *m, const double *x, int begin, int end)
-{
+void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, const double* x, int begin, int end) {
     *axial = *bending = 0.0;
     for (int e = begin; e < end; ++e) {
         double g0[3], d[3], g1[3];
@@ -389,8 +363,7 @@ void ancf_elastic_energy(double *axial, double *bending, const ancf_model *m, co
     }
 }
 
-double ancf_damping_power(ancf_model *m, const double *x, const double *v)
-{
+double ancf_damping_power(ancf_model* m, const double* x, const double* v) {
     if (!any_damped(m)) return 0.0;
     const int field = 3 * m->stride;
     double *total = m->work, *elastic = m->work + field, *rest = m->work + 2 * field;
@@ -407,8 +380,7 @@ double ancf_damping_power(ancf_model *m, const double *x, const double *v)
 }
 
 // r' and its rate at xi.
-static void slope_at(double r[3], const ancf_model *m, const double *field, int e, double xi)
-{
+static void slope_at(double r[3], const ancf_model* m, const double* field, int e, double xi) {
     double g0[3], d[3], g1[3], s[3];
     element_vectors(g0, d, g1, m, field, e);
     ancf_shape_slope(s, xi);
@@ -416,16 +388,14 @@ static void slope_at(double r[3], const ancf_model *m, const double *field, int 
     for (int c = 0; c < 3; ++c) r[c] = spring ? d[c] : s[0] * g0[c] + s[1] * d[c] + s[2] * g1[c];
 }
 
-double ancf_strain(const ancf_model *m, const double *x, int element, double xi)
-{
+double ancf_strain(const ancf_model* m, const double* x, int element, double xi) {
     double r[3];
     slope_at(r, m, x, element, xi);
     return m->element[element].kind & ANCF_SPRING ? sqrt(dot(r, r)) - 1.0 : 0.5 * (dot(r, r) - 1.0);
 }
 
-double ancf_tension(const ancf_model *m, int element, double xi)
-{
-    const ancf_element *el = &m->element[element];
+double ancf_tension(const ancf_model* m, int element, double xi) {
+    const ancf_element* el = &m->element[element];
     double r[3], rv[3];
     slope_at(r, m, m->x, element, xi);
     slope_at(rv, m, m->v, element, xi);
@@ -437,8 +407,7 @@ double ancf_tension(const ancf_model *m, int element, double xi)
     return el->ea * (0.5 * (dot(r, r) - 1.0) + el->damping * dot(r, rv)) * stretch;
 }
 
-double ancf_strain_max(const ancf_model *m, const double *x, int *element)
-{
+double ancf_strain_max(const ancf_model* m, const double* x, int* element) {
     double largest = -1.0;
     for (int e = 0; e < m->n_elements; ++e)
         for (int p = 0; p < 3; ++p) {

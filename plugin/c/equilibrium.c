@@ -10,11 +10,10 @@
 // takes slack cables, mechanisms that hang free and tension-only springs as they come.
 
 // Fictitious masses: a quarter of the row sums of the element stiffness, which bounds its frequencies by 2.
-static void fictitious_mass(double *mass, const ancf_model *m, double stiffening)
-{
+static void fictitious_mass(double* mass, const ancf_model* m, double stiffening) {
     memset(mass, 0, (size_t)m->stride * sizeof *mass);
     for (int e = 0; e < m->n_elements; ++e) {
-        const ancf_element *el = &m->element[e];
+        const ancf_element* el = &m->element[e];
         const double axial = stiffening * el->ea / el->length, bending = el->ei / pow(el->length, 3.0);
         int dof[4];
         ancf_model_dofs(dof, m, e);
@@ -35,14 +34,12 @@ static void fictitious_mass(double *mass, const ancf_model *m, double stiffening
         if (m->next[e] >= 0) end[e] = start[m->next[e]] = end[e] + start[m->next[e]];
 }
 
-static double unit_length(const ancf_model *m, int dof)
-{
+static double unit_length(const ancf_model* m, int dof) {
     return dof < m->n_nodes ? 1.0 : m->element[(dof - m->n_nodes) % m->n_elements].length;
 }
 
 // Largest unbalanced force over the largest force that elements or loads exert.
-static double imbalance(const ancf_model *m, const double *mass)
-{
+static double imbalance(const ancf_model* m, const double* mass) {
     double residual = 0.0, largest = 0.0;
     for (int c = 0; c < 3; ++c) {
         const double *f = m->f + c * m->stride, *external = m->external + c * m->stride;
@@ -51,15 +48,14 @@ static double imbalance(const ancf_model *m, const double *mass)
             const double load = external[i] + m->gravity[c] * m->weight[i];
             largest = fmax(largest, fabs(load) / unit_length(m, i));
         }
-        const double *fd = m->scratch + 6 * m->n_elements + c * m->n_elements;
+        const double* fd = m->scratch + 6 * m->n_elements + c * m->n_elements;
         for (int e = 0; e < m->n_elements; ++e) largest = fmax(largest, fabs(fd[e]));
     }
     return largest > 0.0 ? residual / largest : 0.0;
 }
 
 // The damping that the motion asks for: twice the frequency of its Rayleigh quotient.
-static double damping_of(const ancf_model *m, const double *mass, const double *before, const double *rate)
-{
+static double damping_of(const ancf_model* m, const double* mass, const double* before, const double* rate) {
     double stiffness = 0.0, inertia = 0.0;
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < m->n_dof; ++i) {
@@ -70,8 +66,7 @@ static double damping_of(const ancf_model *m, const double *mass, const double *
     return stiffness > 0.0 && inertia > 0.0 ? fmin(2.0 * sqrt(stiffness / inertia), 1.9) : 0.0;
 }
 
-static void relaxation_step(ancf_model *m, const double *mass, double *rate, double damping)
-{
+static void relaxation_step(ancf_model* m, const double* mass, double* rate, double damping) {
     const double keep = (2.0 - damping) / (2.0 + damping), push = 2.0 / (2.0 + damping);
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < m->n_dof; ++i) {
@@ -82,8 +77,7 @@ static void relaxation_step(ancf_model *m, const double *mass, double *rate, dou
         }
 }
 
-ancf_error ancf_equilibrium(ancf_model *m, double tolerance, int iterations)
-{
+ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations) {
     enum { REFRESH = 100 };
     const size_t field = 3 * (size_t)m->stride;
     double *rate = m->work + 2 * field, *before = rate + field, *mass = before + field, *rest = mass + field;

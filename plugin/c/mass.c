@@ -11,17 +11,16 @@
 struct ancf_mass {
     bool diagonal;
     bool held;          // something is held that has mass
-    double *inverse;    // (stride) 1/M, 0 where held or massless; diagonal only
-    double *added;      // (n_nodes) [kg]
-    int *row;           // (stride) row of an unknown in the factor, or -1
+    double* inverse;    // (stride) 1/M, 0 where held or massless; diagonal only
+    double* added;      // (n_nodes) [kg]
+    int* row;           // (stride) row of an unknown in the factor, or -1
     int n;              // rows
     int *begin, *index; // columns of L below the diagonal, each sorted
     double *value, *pivot;
     double (*rhs)[4]; // (n) right-hand sides x, y, z side by side
 };
 
-void ancf_mass_element(double M[4][4], const ancf_element *el)
-{
+void ancf_mass_element(double M[4][4], const ancf_element* el) {
     const double L = el->length, m = el->rho_a * L;
     memset(M, 0, 16 * sizeof(double));
     if (el->kind & ANCF_SPRING) {
@@ -42,8 +41,7 @@ void ancf_mass_element(double M[4][4], const ancf_element *el)
 }
 
 // Mass of every unknown if the matrix is diagonal, shared slopes joined.
-static void find_diagonal(double *mass, const ancf_model *m)
-{
+static void find_diagonal(double* mass, const ancf_model* m) {
     for (int e = 0; e < m->n_elements; ++e) {
         double M[4][4];
         int dof[4];
@@ -58,16 +56,15 @@ static void find_diagonal(double *mass, const ancf_model *m)
 }
 
 // Rows of the unknowns that are free and have mass; both copies of a shared slope get the same.
-static int number_rows(ancf_model *m, const double *diagonal)
-{
-    ancf_mass *mass = m->mass;
+static int number_rows(ancf_model* m, const double* diagonal) {
+    ancf_mass* mass = m->mass;
     int n = 0;
     for (int i = 0; i < m->stride; ++i)
         mass->row[i] = i < m->n_dof && diagonal[i] > 0.0 && m->hold[i] == ANCF_FREE ? n++ : -1;
     int *start = mass->row + m->n_nodes, *end = start + m->n_elements;
     for (int e = 0; e < m->n_elements; ++e)
         if (m->next[e] >= 0) end[e] = start[m->next[e]];
-    int *used = calloc((size_t)n + 1, sizeof *used); // close the gaps that the copies left
+    int* used = calloc((size_t)n + 1, sizeof *used); // close the gaps that the copies left
     if (!used) return -1;
     for (int i = 0; i < m->n_dof; ++i)
         if (mass->row[i] >= 0) used[mass->row[i]] = 1;
@@ -79,17 +76,15 @@ static int number_rows(ancf_model *m, const double *diagonal)
     return count;
 }
 
-static void add_entry(cholmod_triplet *t, int i, int j, double value)
-{
+static void add_entry(cholmod_triplet* t, int i, int j, double value) {
     if (i < 0 || j < 0 || i < j || value == 0.0) return; // the lower triangle of the free part
-    ((int *)t->i)[t->nnz] = i;
-    ((int *)t->j)[t->nnz] = j;
-    ((double *)t->x)[t->nnz++] = value;
+    ((int*)t->i)[t->nnz] = i;
+    ((int*)t->j)[t->nnz] = j;
+    ((double*)t->x)[t->nnz++] = value;
 }
 
-static void assemble(cholmod_triplet *t, const ancf_model *m)
-{
-    const int *row = m->mass->row;
+static void assemble(cholmod_triplet* t, const ancf_model* m) {
+    const int* row = m->mass->row;
     for (int e = 0; e < m->n_elements; ++e) {
         double M[4][4];
         int dof[4];
@@ -102,17 +97,16 @@ static void assemble(cholmod_triplet *t, const ancf_model *m)
 }
 
 // Takes L out of the library's factor: what remains is two short loops a step, without calls or allocation.
-static ancf_error take_factor(ancf_model *m, const cholmod_factor *L)
-{
-    ancf_mass *mass = m->mass;
+static ancf_error take_factor(ancf_model* m, const cholmod_factor* L) {
+    ancf_mass* mass = m->mass;
     const int n = mass->n, *p = L->p, *li = L->i, *order = L->Perm;
-    const double *lx = L->x;
+    const double* lx = L->x;
     mass->begin = calloc((size_t)n + 1, sizeof *mass->begin);
     mass->index = calloc((size_t)p[n], sizeof *mass->index);
     mass->value = calloc((size_t)p[n], sizeof *mass->value);
     mass->pivot = calloc((size_t)n, sizeof *mass->pivot);
     mass->rhs = calloc((size_t)n, sizeof *mass->rhs);
-    int *place = calloc((size_t)n, sizeof *place);
+    int* place = calloc((size_t)n, sizeof *place);
     if (!mass->begin || !mass->index || !mass->value || !mass->pivot || !mass->rhs || !place) {
         free(place);
         return ANCF_E_MEMORY;
@@ -133,9 +127,8 @@ static ancf_error take_factor(ancf_model *m, const cholmod_factor *L)
     return ANCF_OK;
 }
 
-static ancf_error factorise(ancf_model *m)
-{
-    ancf_mass *mass = m->mass;
+static ancf_error factorise(ancf_model* m) {
+    ancf_mass* mass = m->mass;
     const size_t n = (size_t)mass->n, entries = 16 * (size_t)m->n_elements + (size_t)m->n_nodes;
     ancf_error error = ANCF_E_FACTOR;
     cholmod_common common;
@@ -143,9 +136,9 @@ static ancf_error factorise(ancf_model *m)
     common.supernodal = CHOLMOD_SIMPLICIAL;
     common.final_ll = 1;
     common.print = 0;
-    cholmod_triplet *t = cholmod_allocate_triplet(n, n, entries, -1, CHOLMOD_REAL, &common);
-    cholmod_sparse *A = NULL;
-    cholmod_factor *L = NULL;
+    cholmod_triplet* t = cholmod_allocate_triplet(n, n, entries, -1, CHOLMOD_REAL, &common);
+    cholmod_sparse* A = NULL;
+    cholmod_factor* L = NULL;
     if (t) {
         assemble(t, m);
         A = cholmod_triplet_to_sparse(t, entries, &common);
@@ -161,9 +154,8 @@ static ancf_error factorise(ancf_model *m)
     return error;
 }
 
-ancf_error ancf_mass_create(ancf_model *m, const double *added)
-{
-    ancf_mass *mass = m->mass = calloc(1, sizeof *mass);
+ancf_error ancf_mass_create(ancf_model* m, const double* added) {
+    ancf_mass* mass = m->mass = calloc(1, sizeof *mass);
     if (!mass) return ANCF_E_MEMORY;
     mass->inverse = calloc((size_t)m->stride, sizeof *mass->inverse);
     mass->added = calloc((size_t)m->n_nodes, sizeof *mass->added);
@@ -171,7 +163,7 @@ ancf_error ancf_mass_create(ancf_model *m, const double *added)
     if (!mass->inverse || !mass->added || !mass->row) return ANCF_E_MEMORY;
     if (added) memcpy(mass->added, added, (size_t)m->n_nodes * sizeof *added);
 
-    double *diagonal = m->work;
+    double* diagonal = m->work;
     find_diagonal(diagonal, m);
     mass->diagonal = true;
     for (int e = 0; e < m->n_elements; ++e)
@@ -186,8 +178,7 @@ ancf_error ancf_mass_create(ancf_model *m, const double *added)
     return mass->diagonal || mass->n == 0 ? ANCF_OK : factorise(m);
 }
 
-void ancf_mass_destroy(ancf_mass *mass)
-{
+void ancf_mass_destroy(ancf_mass* mass) {
     if (!mass) return;
     free(mass->inverse);
     free(mass->added);
@@ -200,24 +191,19 @@ void ancf_mass_destroy(ancf_mass *mass)
     free(mass);
 }
 
-bool ancf_mass_diagonal(const ancf_model *m)
-{
-    return m->mass->diagonal;
-}
+bool ancf_mass_diagonal(const ancf_model* m) { return m->mass->diagonal; }
 
-ANCF_CLONES static void solve_diagonal(const ancf_model *m, double *acceleration, const double *force)
-{
-    const double *inverse = m->mass->inverse;
+ANCF_CLONES static void solve_diagonal(const ancf_model* m, double* acceleration, const double* force) {
+    const double* inverse = m->mass->inverse;
     for (int c = 0; c < 3; ++c) {
-        double *a = acceleration + c * m->stride;
-        const double *f = force + c * m->stride;
+        double* a = acceleration + c * m->stride;
+        const double* f = force + c * m->stride;
         for (int i = 0; i < m->stride; ++i) a[i] = inverse[i] > 0.0 ? inverse[i] * f[i] : a[i];
     }
 }
 
 // L L^T x = b for three right-hand sides at once.
-ANCF_CLONES static void solve_factor(const ancf_mass *mass)
-{
+ANCF_CLONES static void solve_factor(const ancf_mass* mass) {
     double(*b)[4] = mass->rhs;
     const int *begin = mass->begin, *index = mass->index;
     const double *value = mass->value, *pivot = mass->pivot;
@@ -237,9 +223,8 @@ ANCF_CLONES static void solve_factor(const ancf_mass *mass)
 }
 
 // What is held pushes on the rest: b -= M a of the held accelerations, element by element.
-static void subtract_held(const ancf_model *m, const double *acceleration)
-{
-    const ancf_mass *mass = m->mass;
+static void subtract_held(const ancf_model* m, const double* acceleration) {
+    const ancf_mass* mass = m->mass;
     for (int e = 0; e < m->n_elements; ++e) {
         int dof[4];
         ancf_model_dofs(dof, m, e);
@@ -254,9 +239,8 @@ static void subtract_held(const ancf_model *m, const double *acceleration)
     }
 }
 
-static void solve_consistent(const ancf_model *m, double *acceleration, const double *force)
-{
-    const ancf_mass *mass = m->mass;
+static void solve_consistent(const ancf_model* m, double* acceleration, const double* force) {
+    const ancf_mass* mass = m->mass;
     const int s = m->stride;
     for (int i = 0; i < m->n_dof; ++i) {
         const int r = mass->row[i];
@@ -272,16 +256,12 @@ static void solve_consistent(const ancf_model *m, double *acceleration, const do
     }
 }
 
-void ancf_mass_solve(const ancf_model *m, double *acceleration, const double *force)
-{
-    if (m->mass->diagonal)
-        solve_diagonal(m, acceleration, force);
-    else if (m->mass->n > 0)
-        solve_consistent(m, acceleration, force);
+void ancf_mass_solve(const ancf_model* m, double* acceleration, const double* force) {
+    if (m->mass->diagonal) solve_diagonal(m, acceleration, force);
+    else if (m->mass->n > 0) solve_consistent(m, acceleration, force);
 }
 
-void ancf_mass_multiply(const ancf_model *m, double *product, const double *field)
-{
+void ancf_mass_multiply(const ancf_model* m, double* product, const double* field) {
     memset(product, 0, 3 * (size_t)m->stride * sizeof *product);
     for (int e = 0; e < m->n_elements; ++e) {
         double M[4][4];
@@ -290,22 +270,16 @@ void ancf_mass_multiply(const ancf_model *m, double *product, const double *fiel
         ancf_model_dofs(dof, m, e);
         for (int c = 0; c < 3; ++c)
             for (int i = 0; i < 4; ++i)
-                for (int j = 0; j < 4; ++j)
-                    product[c * m->stride + dof[i]] += M[i][j] * field[c * m->stride + dof[j]];
+                for (int j = 0; j < 4; ++j) product[c * m->stride + dof[i]] += M[i][j] * field[c * m->stride + dof[j]];
     }
     for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_nodes; ++i)
-            product[c * m->stride + i] += m->mass->added[i] * field[c * m->stride + i];
+        for (int i = 0; i < m->n_nodes; ++i) product[c * m->stride + i] += m->mass->added[i] * field[c * m->stride + i];
     ancf_model_join(m, product);
 }
 
-int ancf_mass_response_size(const ancf_model *m)
-{
-    return m->mass->diagonal ? 6 : m->n_dof;
-}
+int ancf_mass_response_size(const ancf_model* m) { return m->mass->diagonal ? 6 : m->n_dof; }
 
-int ancf_mass_response(const ancf_model *m, int *dof, double *value, double *compliance, int element, double xi)
-{
+int ancf_mass_response(const ancf_model* m, int* dof, double* value, double* compliance, int element, double xi) {
     const double ex[3] = {1.0, 0.0, 0.0};
     double *force = m->work, *response = m->work + 3 * m->stride;
     memset(m->work, 0, 6 * (size_t)m->stride * sizeof *m->work);

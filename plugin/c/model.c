@@ -9,18 +9,11 @@
 
 enum { LANES = 8 };
 
-int ancf_stride(int n_nodes, int n_elements)
-{
-    return (n_nodes + 2 * n_elements + LANES - 1) / LANES * LANES;
-}
+int ancf_stride(int n_nodes, int n_elements) { return (n_nodes + 2 * n_elements + LANES - 1) / LANES * LANES; }
 
-static bool is_finite_positive(double value)
-{
-    return isfinite(value) && value > 0.0;
-}
+static bool is_finite_positive(double value) { return isfinite(value) && value > 0.0; }
 
-static ancf_error check_element(const ancf_element *e)
-{
+static ancf_error check_element(const ancf_element* e) {
     if (!is_finite_positive(e->length)) return ANCF_E_LENGTH;
     if (!is_finite_positive(e->ea) || !isfinite(e->ei) || e->ei < 0.0) return ANCF_E_STIFFNESS;
     if (!is_finite_positive(e->rho_a)) return ANCF_E_MASS;
@@ -29,8 +22,7 @@ static ancf_error check_element(const ancf_element *e)
     return ANCF_OK;
 }
 
-static ancf_error check_elements(const ancf_def *def, int *where)
-{
+static ancf_error check_elements(const ancf_def* def, int* where) {
     for (int e = 0; e < def->n_elements; ++e) {
         *where = e;
         const int start = def->ends[2 * e], end = def->ends[2 * e + 1];
@@ -42,9 +34,8 @@ static ancf_error check_elements(const ancf_def *def, int *where)
 }
 
 // A slope is shared by two elements at most, at one node, and not by springs.
-static ancf_error check_next(const ancf_def *def, int *where)
-{
-    unsigned char *used = calloc((size_t)def->n_elements, 1);
+static ancf_error check_next(const ancf_def* def, int* where) {
+    unsigned char* used = calloc((size_t)def->n_elements, 1);
     if (!used) return ANCF_E_MEMORY;
     ancf_error error = ANCF_OK;
     for (int e = 0; e < def->n_elements && !error; ++e) {
@@ -54,15 +45,13 @@ static ancf_error check_next(const ancf_def *def, int *where)
         if (k < 0 || k >= def->n_elements || used[k] || def->ends[2 * k] != def->ends[2 * e + 1] ||
             ((def->element[e].kind | def->element[k].kind) & ANCF_SPRING))
             error = ANCF_E_NEXT;
-        else
-            used[k] = 1;
+        else used[k] = 1;
     }
     free(used);
     return error;
 }
 
-static ancf_error check_nodes(const ancf_def *def, int *where)
-{
+static ancf_error check_nodes(const ancf_def* def, int* where) {
     for (int i = 0; def->mass && i < def->n_nodes; ++i) {
         *where = i;
         if (!isfinite(def->mass[i]) || def->mass[i] < 0.0) return ANCF_E_MASS;
@@ -70,8 +59,7 @@ static ancf_error check_nodes(const ancf_def *def, int *where)
     return ANCF_OK;
 }
 
-static ancf_error check_state(const ancf_model *m, int *where)
-{
+static ancf_error check_state(const ancf_model* m, int* where) {
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < m->n_dof; ++i) {
             *where = i < m->n_nodes ? i : (i - m->n_nodes) % m->n_elements;
@@ -80,8 +68,7 @@ static ancf_error check_state(const ancf_model *m, int *where)
     return ANCF_OK;
 }
 
-static bool allocate(ancf_model *m)
-{
+static bool allocate(ancf_model* m) {
     const size_t n = (size_t)m->n_nodes, e = (size_t)m->n_elements, field = 3 * (size_t)m->stride;
     m->element = calloc(e, sizeof *m->element);
     m->ends = calloc(2 * e, sizeof *m->ends);
@@ -97,8 +84,8 @@ static bool allocate(ancf_model *m)
     m->external = calloc(6 * field, sizeof *m->external);
     m->scratch = calloc(9 * e, sizeof *m->scratch);
     m->work = calloc(6 * field, sizeof *m->work);
-    if (!m->element || !m->ends || !m->next || !m->hold || !m->shared || !m->is_held || !m->group || !m->first || !m->at || !m->inv_length ||
-        !m->weight || !m->external || !m->scratch || !m->work)
+    if (!m->element || !m->ends || !m->next || !m->hold || !m->shared || !m->is_held || !m->group || !m->first ||
+        !m->at || !m->inv_length || !m->weight || !m->external || !m->scratch || !m->work)
         return false;
     m->ea_length = m->inv_length + e;
     m->ei_length = m->ea_length + e;
@@ -111,10 +98,9 @@ static bool allocate(ancf_model *m)
     return true;
 }
 
-static void copy_elements(ancf_model *m, const ancf_def *def)
-{
+static void copy_elements(ancf_model* m, const ancf_def* def) {
     for (int e = 0; e < m->n_elements; ++e) {
-        const ancf_element *el = &def->element[e];
+        const ancf_element* el = &def->element[e];
         m->element[e] = *el;
         m->ends[2 * e] = def->ends[2 * e];
         m->ends[2 * e + 1] = def->ends[2 * e + 1];
@@ -128,8 +114,7 @@ static void copy_elements(ancf_model *m, const ancf_def *def)
 }
 
 // Lists what is shared and what is held. A slope that is held at one of its copies is held at both.
-static void list_places(ancf_model *m)
-{
+static void list_places(ancf_model* m) {
     for (int e = 0; e < m->n_elements; ++e) {
         if (m->next[e] < 0) continue;
         const int start = m->n_nodes + m->next[e], end = m->n_nodes + m->n_elements + e;
@@ -141,37 +126,32 @@ static void list_places(ancf_model *m)
         if (m->hold[i]) m->is_held[m->n_held++] = i;
 }
 
-static void make_groups(ancf_model *m)
-{
+static void make_groups(ancf_model* m) {
     for (int e = 0; e < m->n_elements; ++e) {
-        const ancf_element *el = &m->element[e];
+        const ancf_element* el = &m->element[e];
         const ancf_group g = {.begin = e,
                               .end = e + 1,
                               .kind = el->kind & ~ANCF_LUMPED,
                               .bending = el->ei > 0.0,
                               .damped = el->damping > 0.0};
-        ancf_group *last = m->n_groups ? &m->group[m->n_groups - 1] : NULL;
-        if (last && last->kind == g.kind && last->bending == g.bending && last->damped == g.damped)
-            last->end = e + 1;
-        else
-            m->group[m->n_groups++] = g;
+        ancf_group* last = m->n_groups ? &m->group[m->n_groups - 1] : NULL;
+        if (last && last->kind == g.kind && last->bending == g.bending && last->damped == g.damped) last->end = e + 1;
+        else m->group[m->n_groups++] = g;
     }
 }
 
 // Which element ends meet at a node, in the order of the elements: the order of all sums.
-static void find_ends(ancf_model *m)
-{
+static void find_ends(ancf_model* m) {
     for (int k = 0; k < 2 * m->n_elements; ++k) m->first[m->ends[k] + 1]++;
     for (int i = 0; i < m->n_nodes; ++i) m->first[i + 1] += m->first[i];
-    int *fill = m->first;
+    int* fill = m->first;
     for (int k = 0; k < 2 * m->n_elements; ++k) m->at[fill[m->ends[k]]++] = k;
     for (int i = m->n_nodes; i > 0; --i) m->first[i] = m->first[i - 1];
     m->first[0] = 0;
 }
 
 // Gravity acts as M times a uniform acceleration, so that a free cable falls without strain, lumped or not.
-static void weigh(ancf_model *m)
-{
+static void weigh(ancf_model* m) {
     double *one = m->work, *product = m->work + 3 * m->stride;
     for (int i = 0; i < m->n_nodes; ++i) one[i] = 1.0;
     ancf_mass_multiply(m, product, one);
@@ -179,8 +159,7 @@ static void weigh(ancf_model *m)
     for (int i = 0; i < m->n_nodes; ++i) one[i] = 0.0;
 }
 
-ancf_error ancf_model_create(ancf_model **model, const ancf_def *def, double *x, double *v, int *where)
-{
+ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x, double* v, int* where) {
     int unused;
     if (!where) where = &unused;
     *model = NULL;
@@ -191,7 +170,7 @@ ancf_error ancf_model_create(ancf_model **model, const ancf_def *def, double *x,
     if (!error) error = check_nodes(def, where);
     if (error) return error;
 
-    ancf_model *m = calloc(1, sizeof *m);
+    ancf_model* m = calloc(1, sizeof *m);
     if (!m) return ANCF_E_MEMORY;
     m->n_nodes = def->n_nodes;
     m->n_elements = def->n_elements;
@@ -218,8 +197,7 @@ ancf_error ancf_model_create(ancf_model **model, const ancf_def *def, double *x,
     return ANCF_OK;
 }
 
-void ancf_model_destroy(ancf_model *m)
-{
+void ancf_model_destroy(ancf_model* m) {
     if (!m) return;
     ancf_mass_destroy(m->mass);
     free(m->element);
@@ -240,8 +218,7 @@ void ancf_model_destroy(ancf_model *m)
 }
 
 // Weights of an element's four unknowns at xi: cubic, or linear between a spring's ends.
-void ancf_model_weights(double S[4], const ancf_model *m, int element, double xi)
-{
+void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi) {
     if (m->element[element].kind & ANCF_SPRING) {
         S[0] = 1.0 - xi;
         S[1] = S[3] = 0.0;
@@ -251,20 +228,18 @@ void ancf_model_weights(double S[4], const ancf_model *m, int element, double xi
     }
 }
 
-void ancf_model_at(double value[3], const ancf_model *m, const double *field, int element, double xi)
-{
+void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi) {
     double S[4];
     int dof[4];
     ancf_model_weights(S, m, element, xi);
     ancf_model_dofs(dof, m, element);
     for (int c = 0; c < 3; ++c) {
-        const double *u = field + c * m->stride;
+        const double* u = field + c * m->stride;
         value[c] = S[0] * u[dof[0]] + S[1] * u[dof[1]] + S[2] * u[dof[2]] + S[3] * u[dof[3]];
     }
 }
 
-void ancf_model_add_force(const ancf_model *m, double *force, int element, double xi, const double F[3])
-{
+void ancf_model_add_force(const ancf_model* m, double* force, int element, double xi, const double F[3]) {
     double S[4];
     int dof[4];
     ancf_model_weights(S, m, element, xi);
@@ -273,11 +248,11 @@ void ancf_model_add_force(const ancf_model *m, double *force, int element, doubl
         for (int i = 0; i < 4; ++i) force[c * m->stride + dof[i]] += S[i] * F[c];
 }
 
-void ancf_model_join(const ancf_model *m, double *force)
-{
+void ancf_model_join(const ancf_model* m, double* force) {
     for (int k = 0; k < m->n_shared; ++k)
         for (int c = 0; c < 3; ++c) {
-            double *start = force + c * m->stride + m->shared[2 * k], *end = force + c * m->stride + m->shared[2 * k + 1];
+            double *start = force + c * m->stride + m->shared[2 * k],
+                   *end = force + c * m->stride + m->shared[2 * k + 1];
             *end = *start = *end + *start;
         }
 }

@@ -5,8 +5,7 @@
 #include <math.h>
 
 // Stiffness of a straight unstressed element over (r0, g0, r1, g1), along it or across.
-static void axial_stiffness(double K[4][4], const ancf_element *el)
-{
+static void axial_stiffness(double K[4][4], const ancf_element* el) {
     const double L = el->length, k = el->ea / (30.0 * L);
     const double s[4][4] = {{36.0, 3.0 * L, -36.0, 3.0 * L},
                             {3.0 * L, 4.0 * L * L, -3.0 * L, -L * L},
@@ -16,8 +15,7 @@ static void axial_stiffness(double K[4][4], const ancf_element *el)
         for (int j = 0; j < 4; ++j) K[i][j] = k * s[i][j];
 }
 
-static void bending_stiffness(double K[4][4], const ancf_element *el)
-{
+static void bending_stiffness(double K[4][4], const ancf_element* el) {
     const double L = el->length, k = el->ei / (L * L * L);
     const double s[4][4] = {{12.0, 6.0 * L, -12.0, 6.0 * L},
                             {6.0 * L, 4.0 * L * L, -6.0 * L, 2.0 * L * L},
@@ -29,24 +27,21 @@ static void bending_stiffness(double K[4][4], const ancf_element *el)
 
 // Splits a symmetric element matrix into its even and odd parts under reversal of the element, 2x2 each: on
 // (r0 + r1, g0 - g1) and (r0 - r1, g0 + g1). sign = +1 even, -1 odd.
-static void reduce(double A[2][2], double K[4][4], double sign)
-{
+static void reduce(double A[2][2], double K[4][4], double sign) {
     A[0][0] = K[0][0] + sign * K[0][2];
     A[0][1] = A[1][0] = K[0][1] - sign * K[0][3];
     A[1][1] = K[1][1] - sign * K[1][3];
 }
 
 // Largest eigenvalue of K x = w2 M x, 2x2.
-static double largest_eigenvalue(double K[2][2], double M[2][2])
-{
+static double largest_eigenvalue(double K[2][2], double M[2][2]) {
     const double a = M[0][0] * M[1][1] - M[0][1] * M[1][0];
     const double b = K[0][0] * M[1][1] + K[1][1] * M[0][0] - 2.0 * K[0][1] * M[0][1];
     const double c = K[0][0] * K[1][1] - K[0][1] * K[1][0];
     return (b + sqrt(fmax(b * b - 4.0 * a * c, 0.0))) / (2.0 * a);
 }
 
-static double frequency2(double K[4][4], double M[4][4])
-{
+static double frequency2(double K[4][4], double M[4][4]) {
     double largest = 0.0;
     for (int s = -1; s <= 1; s += 2) {
         double k[2][2], mm[2][2];
@@ -57,8 +52,7 @@ static double frequency2(double K[4][4], double M[4][4])
     return largest;
 }
 
-double ancf_element_frequency(const ancf_element *el)
-{
+double ancf_element_frequency(const ancf_element* el) {
     double K[4][4], M[4][4];
     ancf_mass_element(M, el);
     if (el->kind & ANCF_SPRING) return sqrt(2.0 * el->ea / el->length / M[0][0]);
@@ -71,8 +65,7 @@ double ancf_element_frequency(const ancf_element *el)
     return sqrt(w2);
 }
 
-double ancf_critical_step(const ancf_model *m, double strain, int *element)
-{
+double ancf_critical_step(const ancf_model* m, double strain, int* element) {
     double least = INFINITY;
     const double stiffening = sqrt(1.0 + 3.0 * fmax(strain, 0.0));
     for (int e = 0; e < m->n_elements; ++e) {

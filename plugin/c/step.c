@@ -5,20 +5,15 @@
 
 #include <string.h>
 
-static size_t field_size(const ancf_model *m)
-{
-    return 3 * (size_t)m->stride * sizeof(double);
-}
+static size_t field_size(const ancf_model* m) { return 3 * (size_t)m->stride * sizeof(double); }
 
-ANCF_CLONES static void add_scaled(double *sum, const double *a, double factor, const double *b, int n)
-{
+ANCF_CLONES static void add_scaled(double* sum, const double* a, double factor, const double* b, int n) {
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) sum[i] = a[i] + factor * b[i];
 }
 
 // m->f = all forces but contact at a state.
-static void total_force(ancf_model *m, const double *x, const double *v)
-{
+static void total_force(ancf_model* m, const double* x, const double* v) {
     ancf_elastic_force(m, m->f, x, v);
     add_scaled(m->f, m->f, 1.0, m->external, 3 * m->stride);
     ancf_model_join(m, m->f);
@@ -27,20 +22,15 @@ static void total_force(ancf_model *m, const double *x, const double *v)
             add_scaled(m->f + c * m->stride, m->f + c * m->stride, m->gravity[c], m->weight, m->n_dof);
 }
 
-void ancf_acceleration(ancf_model *m, const double *x, const double *v)
-{
+void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
     total_force(m, x, v);
     ancf_mass_solve(m, m->a, m->f);
 }
 
-static double substep_kick(const ancf_time *time)
-{
-    return 0.5 * (time->last_substep + time->step / time->substeps);
-}
+static double substep_kick(const ancf_time* time) { return 0.5 * (time->last_substep + time->step / time->substeps); }
 
 // Acceleration that brings what is held to its given velocity within a kick.
-static void accelerate_held(ancf_model *m, double kick)
-{
+static void accelerate_held(ancf_model* m, double kick) {
     for (int k = 0; k < m->n_held; ++k)
         for (int c = 0; c < 3; ++c) {
             const int j = c * m->stride + m->is_held[k];
@@ -49,8 +39,7 @@ static void accelerate_held(ancf_model *m, double kick)
 }
 
 // Velocities of what is held, exactly.
-static void set_held(const ancf_model *m, double *v)
-{
+static void set_held(const ancf_model* m, double* v) {
     for (int k = 0; k < m->n_held; ++k)
         for (int c = 0; c < 3; ++c) {
             const int j = c * m->stride + m->is_held[k];
@@ -58,14 +47,12 @@ static void set_held(const ancf_model *m, double *v)
         }
 }
 
-void ancf_predict(ancf_model *m, const ancf_time *time, const double *contact)
-{
+void ancf_predict(ancf_model* m, const ancf_time* time, const double* contact) {
     const int n = 3 * m->stride;
     const double kick = substep_kick(time), step = time->step / time->substeps;
     accelerate_held(m, kick);
     total_force(m, m->x, m->v);
-    if (contact && time->substeps == 1)
-        add_scaled(m->f, m->f, 1.0, contact, n);
+    if (contact && time->substeps == 1) add_scaled(m->f, m->f, 1.0, contact, n);
     ancf_mass_solve(m, m->a, m->f);
     add_scaled(m->free, m->v, kick + 0.5 * (time->step - step), m->a, n);
     if (time->substeps > 1) {
@@ -79,8 +66,7 @@ void ancf_predict(ancf_model *m, const ancf_time *time, const double *contact)
 }
 
 // The sub-steps after the first, and the means of force and acceleration over the whole step.
-static void substep(ancf_model *m, const ancf_time *time)
-{
+static void substep(ancf_model* m, const ancf_time* time) {
     const int n = 3 * m->stride;
     const double step = time->step / time->substeps, kick = substep_kick(time), whole = ancf_kick(time);
     double *force = m->work, *acceleration = m->work + n;
@@ -104,8 +90,7 @@ static void substep(ancf_model *m, const ancf_time *time)
     }
 }
 
-void ancf_correct(ancf_model *m, const ancf_time *time, const double *after)
-{
+void ancf_correct(ancf_model* m, const ancf_time* time, const double* after) {
     const int n = 3 * m->stride;
     const double kick = substep_kick(time), step = time->step / time->substeps, whole = ancf_kick(time);
     if (time->substeps == 1) {
@@ -124,8 +109,7 @@ void ancf_correct(ancf_model *m, const ancf_time *time, const double *after)
     substep(m, time);
 }
 
-void ancf_rk4(ancf_model *m, double step)
-{
+void ancf_rk4(ancf_model* m, double step) {
     static const double at[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
     const int n = 3 * m->stride;
     double *x0 = m->work, *v0 = x0 + n, *dx = v0 + n, *dv = dx + n, *x = dv + n, *v = x + n;
@@ -153,8 +137,7 @@ void ancf_rk4(ancf_model *m, double step)
     }
 }
 
-void ancf_reaction(double force[3], const ancf_model *m, int dof)
-{
+void ancf_reaction(double force[3], const ancf_model* m, int dof) {
     for (int c = 0; c < 3; ++c) force[c] = -m->f[c * m->stride + dof];
     for (int e = 0; e < m->n_elements; ++e) {
         double M[4][4];

@@ -38,6 +38,7 @@ void HollarsMat::postLoad(HollarsMat&) {
             "must be positive and finite [m/s]");
     require(std::isfinite(impactDamping) && impactDamping >= 0, "impactDamping", impactDamping,
             "must be 0 or more, and finite [s/m]");
+    require(std::isfinite(dashpot) && dashpot >= 0, "dashpot", dashpot, "must be 0 or more, and finite [N s/m]");
     require(std::isnan(normalStiffness) || (std::isfinite(normalStiffness) && normalStiffness > 0), "normalStiffness",
             normalStiffness, "must be positive and finite [N/m^n], or NaN for Hertz");
     require(std::isfinite(normalExponent) && normalExponent >= 1, "normalExponent", normalExponent,

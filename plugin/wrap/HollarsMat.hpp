@@ -33,6 +33,7 @@ public:
           "Tangential velocity $v_{t0}$ at which friction is largest [m/s]."))
         ((Real, impactDamping, .2, Attr::triggerPostLoad,
           "Damping $\\alpha$ of the normal force [s/m]."))
+        ((Real, dashpot, 0, Attr::triggerPostLoad, "Damping $c$ of the spring-dashpot law, normal='linear' [N s/m]."))
         ((Real, normalStiffness, std::numeric_limits<Real>::quiet_NaN(), Attr::triggerPostLoad,
           "Stiffness $k$ of $f=k\\delta^n$ [N/m^n]. NaN: from young, poisson and the radii of the bodies (Hertz)."))
         ((Real, normalExponent, 1.5, Attr::triggerPostLoad, "Exponent $n$ of $f=k\\delta^n$ [-].")),

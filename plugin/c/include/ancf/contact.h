@@ -20,23 +20,23 @@ typedef struct {
     int element;
     double xi;
     int n;            // unknowns that move
-    const int *dof;   // (n)
-    const double *dv; // (n) their acceleration under 1 N
+    const int* dof;   // (n)
+    const double* dv; // (n) their acceleration under 1 N
     double compliance;
 } ancf_point;
 
 typedef struct {
-    const ancf_point *point;    // on a cable
-    const ancf_point *other;    // on a cable too, or NULL and
-    ancf_partner *partner;      // a body
-    double normal[3];           // unit vector
-    double normal_force;        // >= 0 [N]
-    const ancf_friction *law;
-    double friction[3];         // in: first guess. out: force on `point` [N]; its opposite acts on the other side
+    const ancf_point* point; // on a cable
+    const ancf_point* other; // what it touches: a cable (or NULL),
+    ancf_partner* partner;   // a body (or NULL), or both: a body that moves with a knot and turns on its own
+    double normal[3];        // unit vector
+    double normal_force;     // >= 0 [N]
+    const ancf_friction* law;
+    double friction[3]; // in: first guess. out: force on `point` [N]; its opposite acts on the other side
 } ancf_contact;
 
 // Solves the friction of n contacts for a kick of length dt [s]. velocity (3 x stride): in the free velocity, out the
 // velocity after friction. Returns the number of sweeps.
-int ancf_contact_solve(const ancf_model *m, ancf_contact *table, int n, double dt, double *velocity);
+int ancf_contact_solve(const ancf_model* m, ancf_contact* table, int n, double dt, double* velocity);
 
 #endif

@@ -7,6 +7,6 @@
 // Moves m->x to a state where the force on every free unknown is below tolerance times the largest force in the model,
 // velocities zero, by dynamic relaxation. Returns ANCF_E_EQUILIBRIUM if it
 // does not get there in `iterations`.
-ancf_error ancf_equilibrium(ancf_model *m, double tolerance, int iterations);
+ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations);
 
 #endif

@@ -26,6 +26,6 @@ typedef enum {
 } ancf_error;
 
 // The sentence for a code; never NULL.
-const char *ancf_error_text(ancf_error code);
+const char* ancf_error_text(ancf_error code);
 
 #endif

@@ -30,30 +30,30 @@ typedef struct {
     double v0;         // transition velocity v_t0 [m/s]
 } ancf_friction;
 
-ancf_error ancf_normal_check(const ancf_normal *law);
-ancf_error ancf_friction_check(const ancf_friction *law);
+ancf_error ancf_normal_check(const ancf_normal* law);
+ancf_error ancf_friction_check(const ancf_friction* law);
 
 // k of two elastic bodies in contact [N/m^1.5], Eq. 8-9. radius: of the contact, r1 r2/(r1 + r2), or the one
 // radius against a plane [m]; young [Pa].
 double ancf_hertz_stiffness(double radius, double young1, double poisson1, double young2, double poisson2);
 
 // Normal force [N], never attractive. depth > 0 [m] where the bodies overlap, rate = d(depth)/dt [m/s].
-double ancf_normal_force(const ancf_normal *law, double depth, double rate);
+double ancf_normal_force(const ancf_normal* law, double depth, double rate);
 
 // Slope df/d(depth) of the elastic part [N/m].
-double ancf_normal_tangent(const ancf_normal *law, double depth);
+double ancf_normal_tangent(const ancf_normal* law, double depth);
 
 // Elastic energy stored at a depth [J].
-double ancf_normal_energy(const ancf_normal *law, double depth);
+double ancf_normal_energy(const ancf_normal* law, double depth);
 
 // Friction force per unit of normal force at a sliding speed >= 0 [-].
-double ancf_friction_coefficient(const ancf_friction *law, double speed);
+double ancf_friction_coefficient(const ancf_friction* law, double speed);
 
 // Slope of the friction coefficient at rest [s/m]: (2 mu_s - mu_k)/v0 for Hollars.
-double ancf_friction_slope(const ancf_friction *law);
+double ancf_friction_slope(const ancf_friction* law);
 
 // The speed u >= 0 [m/s] that is left once friction has acted: u + beta mu(u) = speed, beta = dt f_n/m >= 0 [m/s].
 // On Stribeck's falling branch there can be several roots: the sticking one is taken.
-double ancf_friction_solve(const ancf_friction *law, double speed, double beta);
+double ancf_friction_solve(const ancf_friction* law, double speed, double beta);
 
 #endif

@@ -6,24 +6,24 @@
 
 // Element mass over (r0, g0, r1, g1): the exact integral of rho A S^T S, or lumped in the proportions of its
 // diagonal with the total mass kept (Hinton, Rock, Zienkiewicz 1976).
-void ancf_mass_element(double M[4][4], const ancf_element *element);
+void ancf_mass_element(double M[4][4], const ancf_element* element);
 
-ancf_error ancf_mass_create(ancf_model *m, const double *added);
-void ancf_mass_destroy(ancf_mass *mass);
+ancf_error ancf_mass_create(ancf_model* m, const double* added);
+void ancf_mass_destroy(ancf_mass* mass);
 
 // acceleration = M^-1 force, all (3 x stride); force joined. Where a node or slope is held, `acceleration` holds
 // the given value before and after.
-void ancf_mass_solve(const ancf_model *m, double *acceleration, const double *force);
+void ancf_mass_solve(const ancf_model* m, double* acceleration, const double* force);
 
 // product = M field; shared slopes come out joined.
-void ancf_mass_multiply(const ancf_model *m, double *product, const double *field);
+void ancf_mass_multiply(const ancf_model* m, double* product, const double* field);
 
 // Response M^-1 S(xi)^T of the model to a unit force at a point: the unknowns that move and by how much, at most
 // ancf_mass_response_size of them. Returns their number; *compliance = S M^-1 S^T [1/kg].
-int ancf_mass_response_size(const ancf_model *m);
-int ancf_mass_response(const ancf_model *m, int *dof, double *value, double *compliance, int element, double xi);
+int ancf_mass_response_size(const ancf_model* m);
+int ancf_mass_response(const ancf_model* m, int* dof, double* value, double* compliance, int element, double xi);
 
 // True if the whole matrix is diagonal.
-bool ancf_mass_diagonal(const ancf_model *m);
+bool ancf_mass_diagonal(const ancf_model* m);
 
 #endif

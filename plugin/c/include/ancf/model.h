@@ -38,11 +38,11 @@ typedef enum {
 
 typedef struct {
     int n_nodes, n_elements;
-    const ancf_element *element; // (n_elements)
-    const int *ends;             // (n_elements x 2) node numbers
-    const int *next;             // (n_elements) element into which this one goes on smoothly, or -1
-    const double *mass;          // (n_nodes) added mass [kg], NULL: none
-    const int *hold;             // (n_nodes + 2 n_elements) ancf_hold of every unknown, NULL: all free
+    const ancf_element* element; // (n_elements)
+    const int* ends;             // (n_elements x 2) node numbers
+    const int* next;             // (n_elements) element into which this one goes on smoothly, or -1
+    const double* mass;          // (n_nodes) added mass [kg], NULL: none
+    const int* hold;             // (n_nodes + 2 n_elements) ancf_hold of every unknown, NULL: all free
 } ancf_def;
 
 // A run of elements that one kernel computes.
@@ -59,49 +59,48 @@ typedef struct {
     int n_nodes, n_elements;
     int n_dof;  // n_nodes + 2 n_elements
     int stride; // length of a block, n_dof rounded up
-    ancf_element *element;
-    int *ends; // (n_elements x 2)
-    int *next; // (n_elements)
-    int *hold; // (n_dof) ancf_hold
+    ancf_element* element;
+    int* ends; // (n_elements x 2)
+    int* next; // (n_elements)
+    int* hold; // (n_dof) ancf_hold
     int n_shared, n_held;
-    int *shared; // (n_shared x 2) places of the two copies of a shared slope in a block
-    int *is_held; // (n_held) places of what is held
+    int* shared;  // (n_shared x 2) places of the two copies of a shared slope in a block
+    int* is_held; // (n_held) places of what is held
     int n_groups;
-    ancf_group *group;
+    ancf_group* group;
 
     // Elements meeting at a node: end k = 2 e + (0 start, 1 end), for k in at[first[i]] .. at[first[i+1]].
-    int *first; // (n_nodes + 1)
-    int *at;    // (2 n_elements)
+    int* first; // (n_nodes + 1)
+    int* at;    // (2 n_elements)
 
     // Per element, so that the kernels divide by nothing (n_elements each).
     double *inv_length, *ea_length, *ei_length; // 1/L, EA L/4, EI/L
-    double *damping;                               // Kelvin-Voigt time [s]
+    double* damping;                            // Kelvin-Voigt time [s]
     double axial_exact[21], axial_reduced[21];  // upper triangles of the axial rule (elastic.c)
 
-    ancf_mass *mass;
-    double *weight; // (n_dof) M times a unit displacement of all nodes: gravity's force is weight g [kg or kg m]
+    ancf_mass* mass;
+    double* weight; // (n_dof) M times a unit displacement of all nodes: gravity's force is weight g [kg or kg m]
     double gravity[3];
 
-    double *x, *v;     // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
-    double *external;  // (3 x stride) forces that act besides those computed here [N, N m]
-    double *held;      // (3 x stride) new velocity of what is held
-    double *f, *a;     // (3 x stride) force and acceleration of the last step, its mean over sub-steps
-    double *kick;      // (3 x stride) acceleration by contact, apart where the cable takes sub-steps
-    double *free;      // (3 x stride) mean velocity of the step ahead without friction
-    double *scratch;   // (9 x n_elements) d, its rate, and the force on it
-    double *work;      // (6 x 3 x stride) for RK4, equilibrium, sub-steps
+    double *x, *v;    // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
+    double* external; // (3 x stride) forces that act besides those computed here [N, N m]
+    double* held;     // (3 x stride) new velocity of what is held
+    double *f, *a;    // (3 x stride) force and acceleration of the last step, its mean over sub-steps
+    double* kick;     // (3 x stride) acceleration by contact, apart where the cable takes sub-steps
+    double* free;     // (3 x stride) mean velocity of the step ahead without friction
+    double* scratch;  // (9 x n_elements) d, its rate, and the force on it
+    double* work;     // (6 x 3 x stride) for RK4, equilibrium, sub-steps
 } ancf_model;
 
 // Builds a model on the caller's state arrays x and v ((3 x ancf_stride(def)) each, laid out as above). On an error
 // nothing is left behind, *model is NULL and *where is the number of the node or element at fault.
-ancf_error ancf_model_create(ancf_model **model, const ancf_def *def, double *x, double *v, int *where);
-void ancf_model_destroy(ancf_model *model);
+ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x, double* v, int* where);
+void ancf_model_destroy(ancf_model* model);
 
 int ancf_stride(int n_nodes, int n_elements);
 
 // Numbers of an element's unknowns in a block: (start node, start slope, end node, end slope).
-static inline void ancf_model_dofs(int dof[4], const ancf_model *m, int element)
-{
+static inline void ancf_model_dofs(int dof[4], const ancf_model* m, int element) {
     dof[0] = m->ends[2 * element];
     dof[1] = m->n_nodes + element;
     dof[2] = m->ends[2 * element + 1];
@@ -109,12 +108,12 @@ static inline void ancf_model_dofs(int dof[4], const ancf_model *m, int element)
 }
 
 // Value at xi of element e of the field whose blocks are at `field` (m->x gives the position, m->v the velocity).
-void ancf_model_at(double value[3], const ancf_model *m, const double *field, int element, double xi);
+void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi);
 
 // Adds the force F at xi of an element to the generalised force, Q = S(xi)^T F (Eq. 16).
-void ancf_model_add_force(const ancf_model *m, double *force, int element, double xi, const double F[3]);
+void ancf_model_add_force(const ancf_model* m, double* force, int element, double xi, const double F[3]);
 
 // Makes both copies of every shared slope the sum of the two, as a force on the one slope is.
-void ancf_model_join(const ancf_model *m, double *force);
+void ancf_model_join(const ancf_model* m, double* force);
 
 #endif

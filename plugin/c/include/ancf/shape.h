@@ -7,8 +7,7 @@
 #define ANCF_SHAPE_H
 
 // S[4]: weights of (r0, g0, r1, g1) in the position at xi; Eq. 3-4. length [m].
-static inline void ancf_shape(double S[4], double xi, double length)
-{
+static inline void ancf_shape(double S[4], double xi, double length) {
     const double x2 = xi * xi, x3 = x2 * xi;
     S[0] = 1.0 - 3.0 * x2 + 2.0 * x3;
     S[1] = length * (xi - 2.0 * x2 + x3);
@@ -17,16 +16,14 @@ static inline void ancf_shape(double S[4], double xi, double length)
 }
 
 // abc[3]: weights of (g0, d, g1) in the slope dr/ds at xi.
-static inline void ancf_shape_slope(double abc[3], double xi)
-{
+static inline void ancf_shape_slope(double abc[3], double xi) {
     abc[0] = 1.0 - 4.0 * xi + 3.0 * xi * xi;
     abc[1] = 6.0 * xi - 6.0 * xi * xi;
     abc[2] = 3.0 * xi * xi - 2.0 * xi;
 }
 
 // abc[3]: weights of (g0, d, g1) in L d2r/ds2 at xi.
-static inline void ancf_shape_curvature(double abc[3], double xi)
-{
+static inline void ancf_shape_curvature(double abc[3], double xi) {
     abc[0] = 6.0 * xi - 4.0;
     abc[1] = 6.0 - 12.0 * xi;
     abc[2] = 6.0 * xi - 2.0;

@@ -5,10 +5,10 @@
 #include "model.h"
 
 // Highest frequency of an element on its own [rad/s], straight and unstressed: a bound on that of the whole model.
-double ancf_element_frequency(const ancf_element *element);
+double ancf_element_frequency(const ancf_element* element);
 
 // Stable step [s] at a largest strain, h = 0.9 (2/w)(sqrt(1 + z^2) - z) with z = damping w/2 and w times
 // sqrt(1 + 3 strain); *element is the one that sets it.
-double ancf_critical_step(const ancf_model *m, double strain, int *element);
+double ancf_critical_step(const ancf_model* m, double strain, int* element);
 
 #endif

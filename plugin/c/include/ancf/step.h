@@ -9,32 +9,29 @@
 
 // Length in time of one step [s].
 typedef struct {
-    double step, last;         // this step and the one before; last = 0 at the start
-    int substeps;              // of the cable inside one step, >= 1; contact acts once, as a kick at the start
-    double last_substep;       // length of the sub-step before; 0 at the start
+    double step, last;   // this step and the one before; last = 0 at the start
+    int substeps;        // of the cable inside one step, >= 1; contact acts once, as a kick at the start
+    double last_substep; // length of the sub-step before; 0 at the start
 } ancf_time;
 
 // Length of a step's kick [s].
-static inline double ancf_kick(const ancf_time *time)
-{
-    return 0.5 * (time->last + time->step);
-}
+static inline double ancf_kick(const ancf_time* time) { return 0.5 * (time->last + time->step); }
 
 // Phase 1: forces of elasticity, damping, gravity and m->external at the present state, and of `contact` ((3 x stride),
 // NULL: none); then m->free = mean velocity of the step ahead if no more than these act.
-void ancf_predict(ancf_model *m, const ancf_time *time, const double *contact);
+void ancf_predict(ancf_model* m, const ancf_time* time, const double* contact);
 
 // Phase 3: `after` (3 x stride) is m->free as friction and constraints have changed it, or m->free itself if nothing
 // did. Moves the state on by one step.
-void ancf_correct(ancf_model *m, const ancf_time *time, const double *after);
+void ancf_correct(ancf_model* m, const ancf_time* time, const double* after);
 
 // One step of the classical Runge-Kutta scheme, m->external constant.
-void ancf_rk4(ancf_model *m, double step);
+void ancf_rk4(ancf_model* m, double step);
 
 // Accelerations at a state into m->a.
-void ancf_acceleration(ancf_model *m, const double *x, const double *v);
+void ancf_acceleration(ancf_model* m, const double* x, const double* v);
 
 // Force that holds unknown i at the last step [N]: M a - f of its row, for nodes and slopes that are held.
-void ancf_reaction(double force[3], const ancf_model *m, int dof);
+void ancf_reaction(double force[3], const ancf_model* m, int dof);
 
 #endif

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The cables and nets of a scene: holds their state, moves them and what they carry.
+#pragma once
+
+#include "CablePoint.hpp"
+#include "HollarsPhys.hpp"
+#include "Mobility.hpp"
+
+#include <core/GlobalEngine.hpp>
+#include <core/Scene.hpp>
+
+#include <memory>
+
+extern "C" {
+#include "ancf/contact.h"
+#include "ancf/model.h"
+#include "ancf/step.h"
+}
+
+namespace yade {
+
+class CableEngine : public GlobalEngine {
+    struct ModelDeleter {
+        void operator()(ancf_model* m) const { ancf_model_destroy(m); }
+    };
+    // A body whose motion its knots share: the reaction is solved for, both move freely otherwise.
+    struct Coupling {
+        int node;
+        Body::id_t id;
+        Vector3r at; // in the body's frame [m]
+        ancf_point point;
+        Vector3r impulse = Vector3r::Zero(); // of the body on the cable in this step [N s]
+    };
+    struct Partner {
+        Body::id_t id; // of the moved body: a clump for its members
+        ancf_partner body;
+    };
+    struct Row { // beside each row of the contact table
+        HollarsPhys* phys;
+        Body::id_t cable, other;
+        int partner;          // in `partners`, or -1
+        Vector3r normalForce; // on the cable [N]
+        ancf_friction law;
+    };
+
+    std::unique_ptr<ancf_model, ModelDeleter> model;
+    ancf_time time {};
+    vector<ancf_point> points; // contact points, in the order of pointIds
+    vector<int> responseDof;   // their storage, and that of couplings and carriers
+    vector<Real> responseValue;
+    vector<int> pointOfBody;   // (bodies) number of the contact point, or -1
+    vector<int> carrierOfBody; // (bodies) number in carryNodes of a body that is centred on its knot, or -1
+    vector<ancf_point> carriers;
+    vector<Coupling> couplings;
+    vector<ancf_contact> table;
+    vector<Row> rows;
+    vector<Partner> partners;
+    vector<Real> contactForce, after, lastVelocity;
+    vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
+    Real lastElastic = 0;
+    long checkedIter = -1;
+    Real checkedStep = 0;
+    int elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1;
+
+    Scene& theScene() const;
+    [[noreturn]] void refuse(const string& text) const;
+    void checkNode(int node, const char* what) const;
+    void checkUnclaimed(int node) const;
+    void changed();
+    void makeModel();
+    void makeResponses();
+    void makeCouplings();
+    void checkScene() const;
+    void checkStep();
+    ancf_time timeOfStep() const;
+
+    void holdNodes();
+    void gatherForces();
+    void gatherContacts();
+    void gatherContact(const Interaction& contact);
+    int partnerOf(const Body& body);
+    void solveFriction();
+    void solveCouplings();
+    void react();
+    void scatter();
+    void trackEnergy();
+
+public:
+    // The engine of that family, or null.
+    static const CableEngine* find(const Scene& scene, int family);
+    bool adjacent(int element1, int element2) const; // the same, or meeting at a node
+
+    void action() override;
+    void postLoad(CableEngine&) { changed(); }
+
+    py::tuple add(const vector<Vector3r>& nodes, const vector<Vector3r>& slopes, const vector<int>& newEnds,
+                  const vector<int>& newNext, int newKind, const vector<Real>& newLength, Real newEa, Real newEi,
+                  Real newRhoA, Real newDamping);
+    void addPoint(Body::id_t id, int element, Real xi);
+    void fix(int node);
+    void clamp(int element, int end);
+    void follow(int node, Body::id_t id);
+    void carry(int node, Body::id_t id, const Vector3r& at);
+    void load(int node, const Vector3r& force);
+    void tie(int node, int other);
+    void release(int node);
+    int tied(int node) const;
+    Vector3r point(int element, Real xi);
+    Vector3r pointVelocity(int element, Real xi);
+    Real tension(int element, Real xi);
+    Real strain(int element, Real xi);
+    Vector3r reaction(int node);
+    py::dict energy(int first, int last);
+    py::tuple momentum();
+    Real criticalTimeStep();
+    Real contactTimeStep(Real speed);
+    void relax(Real tolerance, int iterations);
+    void build();
+    int getStride() const { return ancf_stride(nNodes, nElements()); }
+    int nElements() const { return static_cast<int>(length.size()); }
+
+    // clang-format off
+    YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(CableEngine, GlobalEngine,
+        "Moves cables and nets of ANCF elements or springs, solves their friction, and carries bodies with their knots. "
+        "Between InteractionLoop and NewtonIntegrator. Filled by the Python classes Cable and Net of the package ancf.",
+        ((string, integrator, "leapfrog", , "'leapfrog', or 'rk4' (a reference: four force evaluations, contact held during the step)."))
+        ((int, substeps, 0, , "Steps of the cable inside one O.dt; 0: as many as it needs."))
+        ((int, family, 0, , "Number of this engine, unique in the scene."))
+        ((int, nNodes, 0, Attr::readonly, "Number of nodes."))
+        ((vector<Real>, position, , , "Positions of nodes [m] and slopes [-]: blocks x, y, z of `stride`, in each the nodes, the slopes at the starts of all elements, those at the ends."))
+        ((vector<Real>, velocity, , , "Their rates at the last half step, in the same order [m/s, 1/s]."))
+        ((vector<int>, ends, , Attr::readonly, "Start and end node of every element."))
+        ((vector<int>, next, , Attr::readonly, "Element into which an element goes on smoothly, or -1."))
+        ((vector<int>, kind, , Attr::triggerPostLoad, "Kind of every element: 1 spring, 2 lumped mass, 4 reduced axial rule, 8 exact curvature, added up."))
+        ((vector<Real>, length, , Attr::triggerPostLoad, "Unstressed lengths [m]."))
+        ((vector<Real>, ea, , Attr::triggerPostLoad, "Axial stiffnesses [N]."))
+        ((vector<Real>, ei, , Attr::triggerPostLoad, "Bending stiffnesses [N m²]."))
+        ((vector<Real>, rhoA, , Attr::triggerPostLoad, "Masses per length [kg/m]."))
+        ((vector<Real>, kelvinVoigt, , Attr::triggerPostLoad, "Kelvin-Voigt times [s]."))
+        ((vector<int>, pointIds, , Attr::readonly, "Bodies of the contact points."))
+        ((vector<int>, pointElement, , Attr::readonly, "Elements they sit on."))
+        ((vector<Real>, pointXi, , Attr::readonly, "Places on them, 0 to 1."))
+        ((vector<int>, fixedNodes, , Attr::readonly, "Nodes that are fixed."))
+        ((vector<int>, clampedEnds, , Attr::readonly, "Slopes that are held, 2 element + end."))
+        ((vector<int>, followNodes, , Attr::readonly, "Nodes that follow a body."))
+        ((vector<int>, followIds, , Attr::readonly, "The bodies they follow."))
+        ((vector<Vector3r>, followAt, , Attr::readonly, "Their places in the bodies' frames [m]."))
+        ((vector<int>, carryNodes, , Attr::readonly, "Nodes that carry a body."))
+        ((vector<int>, carryIds, , Attr::readonly, "The bodies they carry."))
+        ((vector<Vector3r>, carryAt, , Attr::readonly, "Places of the nodes in the bodies' frames [m]."))
+        ((vector<int>, loadNodes, , Attr::readonly, "Nodes with a constant force."))
+        ((vector<Vector3r>, loads, , Attr::readonly, "The forces [N]."))
+        ((vector<int>, tiedNodes, , Attr::readonly, "Nodes that another one stands for."))
+        ((vector<int>, tiedTo, , Attr::readonly, "The ones that stand for them."))
+        ((Real, lastStep, 0, Attr::readonly, "Length of the step before [s], 0 at the start."))
+        ((Real, lastSubstep, 0, Attr::readonly, "Length of the sub-step before [s], 0 at the start."))
+        ((Vector3r, gravity, Vector3r::Zero(), Attr::readonly, "That of NewtonIntegrator, as last seen [m/s²]."))
+        ((int, contacts, 0, Attr::readonly, "Contact points of cables that touched something in the last step."))
+        ((int, sweeps, 0, Attr::readonly, "Gauss-Seidel sweeps over the friction of the last step."))
+        ((Real, maxPenetration, 0, Attr::readonly, "Deepest penetration of a contact point so far [m]."))
+        ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
+        ,
+        .add_property("stride", &CableEngine::getStride, "Length of a block of `position`.")
+        .add_property("nElements", &CableEngine::nElements, "Number of elements.")
+        .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping")),
+             "Adds a cable: nodes (n Vector3 [m]), slopes (2 e Vector3), ends (2 e node numbers) and next (e) counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
+        .def("addPoint", &CableEngine::addPoint, (py::arg("id"), py::arg("element"), py::arg("xi")), "Puts the body as a contact point at xi of an element.")
+        .def("fix", &CableEngine::fix, (py::arg("node")), "Holds a node in place.")
+        .def("clamp", &CableEngine::clamp, (py::arg("element"), py::arg("end")), "Holds the slope at an element's start (0) or end (1).")
+        .def("follow", &CableEngine::follow, (py::arg("node"), py::arg("id")), "Keeps a node at its place in a body's frame.")
+        .def("carry", &CableEngine::carry, (py::arg("node"), py::arg("id"), py::arg("at")), "Fastens a body's point `at` (in its frame, [m]) to a node.")
+        .def("load", &CableEngine::load, (py::arg("node"), py::arg("force")), "Puts a constant force [N] on a node; zero takes it off.")
+        .def("tie", &CableEngine::tie, (py::arg("node"), py::arg("other")), "Makes two nodes one, the first.")
+        .def("release", &CableEngine::release, (py::arg("node")), "Frees a node from fix, follow and load.")
+        .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
+        .def("point", &CableEngine::point, (py::arg("element"), py::arg("xi")), "Position [m].")
+        .def("pointVelocity", &CableEngine::pointVelocity, (py::arg("element"), py::arg("xi")), "Velocity [m/s].")
+        .def("tension", &CableEngine::tension, (py::arg("element"), py::arg("xi")), "Tension EA eps |r'|, damping included [N].")
+        .def("strain", &CableEngine::strain, (py::arg("element"), py::arg("xi")), "Green's strain; springs: engineering strain [-].")
+        .def("reaction", &CableEngine::reaction, (py::arg("node")), "Force on the cable that holds or carries a node, in the last step [N]. ValueError for a free node.")
+        .def("energy", &CableEngine::energy, (py::arg("first"), py::arg("last")), "Energies [J] of the elements first .. last-1 as dict kinetic, axial, bending, gravity; carried masses not counted.")
+        .def("momentum", &CableEngine::momentum, "(linear [kg m/s], angular about the origin [kg m²/s]), with the masses carried at knots.")
+        .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cable as it is strained now, without contact [s].")
+        .def("contactTimeStep", &CableEngine::contactTimeStep, (py::arg("speed")), "Stable step [s] for contacts of the points with the bodies of the scene, approached at `speed` [m/s] (Hertz).")
+        .def("relax", &CableEngine::relax, (py::arg("tolerance"), py::arg("iterations")), "Moves the cables to static equilibrium; RuntimeError if there is none.")
+        .def("build", &CableEngine::build, "Checks everything and gets ready; done by itself at the first step.")
+    )
+    // clang-format on
+    DECLARE_LOGGER;
+};
+REGISTER_SERIALIZABLE(CableEngine);
+
+} // namespace yade

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// How a body answers to a force at one of its points.
+#pragma once
+
+#include <core/Body.hpp>
+#include <core/Scene.hpp>
+
+namespace yade {
+
+// Velocity of the body's point at a place in space [m/s].
+inline Vector3r velocityAt(const State& state, const Vector3r& at) {
+    return state.vel + state.angVel.cross(at - state.pos);
+}
+
+// The body whose inertia answers: the clump for a member.
+const Body& movedBody(const Scene& scene, const Body& body);
+
+struct Mobility {
+    Vector3r inverseMass = Vector3r::Zero();    // per axis [1/kg]; 0 where it cannot move
+    Matrix3r inverseInertia = Matrix3r::Zero(); // on the axes of the scene [1/(kg m²)]
+};
+
+Mobility mobility(const Body& moved);
+
+// direction·(velocity gained at `at` by a unit impulse along direction) [1/kg], for one of the body's contacts when
+// all of them act at once.
+Real sharedCompliance(const Scene& scene, const Body& body, const Vector3r& at, const Vector3r& direction);
+
+} // namespace yade
