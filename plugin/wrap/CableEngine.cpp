@@ -453,6 +453,8 @@ void CableEngine::build() {
     carriedForce.assign(carryNodes.size(), Vector3r::Zero());
     carryReaction.resize(carryNodes.size(), Vector3r::Zero());
     checkedIter = -1;
+    int element;
+    substepLimit = ancf_critical_step(model.get(), strainReserve, &element);
 }
 
 ancf_time CableEngine::timeOfStep() const {
@@ -460,9 +462,7 @@ ancf_time CableEngine::timeOfStep() const {
     if (integrator == "rk4") {
         t = {t.step, t.step, 1, t.step};
     } else if (substeps == 0) {
-        int element;
-        t.substeps =
-            std::max(1, static_cast<int>(std::ceil(t.step / ancf_critical_step(model.get(), strainReserve, &element))));
+        t.substeps = std::max(1, static_cast<int>(std::ceil(t.step / substepLimit)));
     }
     return t;
 }
