@@ -26,21 +26,16 @@ static void project(double v[3], const double normal[3]) {
     for (int i = 0; i < 3; i++) v[i] -= along * normal[i];
 }
 
-// Value of a field at a point of a cable, S(xi) e.
-static void field_at(double value[3], const ancf_model* m, const double* field, const ancf_point* point) {
-    int dof[4];
-    double S[4];
-    ancf_model_dofs(dof, m, point->element);
-    ancf_model_weights(S, m, point->element, point->xi);
-    for (int i = 0; i < 3; i++) {
-        const double* block = field + i * m->stride;
-        value[i] = S[0] * block[dof[0]] + S[1] * block[dof[1]] + S[2] * block[dof[2]] + S[3] * block[dof[3]];
-    }
+void ancf_point_place(ancf_point* point, const ancf_model* m, int element, double xi) {
+    point->element = element;
+    point->xi = xi;
+    ancf_model_dofs(point->place, m, element);
+    ancf_model_weights(point->S, m, element, xi);
 }
 
 // Friction acts at the cable's centreline, on both sides (Eq. 12-16).
 static void lever(double arm[3], const ancf_model* m, const ancf_contact* c) {
-    field_at(arm, m, m->x, c->point);
+    ancf_point_at(arm, m, m->x, c->point);
     for (int i = 0; i < 3; i++) arm[i] -= c->partner->position[i];
 }
 
@@ -76,9 +71,9 @@ static void kick(const ancf_model* m, const ancf_contact* c, const double arm[3]
 static void relative_velocity(double v[3], const ancf_model* m, const ancf_contact* c, const double arm[3],
                               const double* velocity) {
     double u[3];
-    field_at(v, m, velocity, c->point);
+    ancf_point_at(v, m, velocity, c->point);
     if (c->other) {
-        field_at(u, m, velocity, c->other);
+        ancf_point_at(u, m, velocity, c->other);
         for (int i = 0; i < 3; i++) v[i] -= u[i];
     }
     if (c->partner) {

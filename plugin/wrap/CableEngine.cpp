@@ -43,6 +43,12 @@ namespace {
         return vectorOf(value);
     }
 
+    Vector3r at(const ancf_model* m, const Real* field, const ancf_point& point) {
+        Real value[3];
+        ancf_point_at(value, m, field, &point);
+        return vectorOf(value);
+    }
+
     Vector3r ofNode(const ancf_model* m, const Real* field, int node) {
         return Vector3r(field[node], field[m->stride + node], field[2 * m->stride + node]);
     }
@@ -378,8 +384,7 @@ void CableEngine::makeResponses() {
     responseDof.clear();
     responseValue.clear();
     const auto make = [&](ancf_point& p, int element, Real xi) {
-        p.element = element;
-        p.xi = xi;
+        ancf_point_place(&p, model.get(), element, xi);
         p.n = ancf_mass_response(model.get(), dof.data(), value.data(), &p.compliance, element, xi);
         places.push_back({&p, responseDof.size()});
         responseDof.insert(responseDof.end(), dof.begin(), dof.begin() + p.n);
@@ -521,8 +526,7 @@ void CableEngine::gatherForces() {
     }
     for (size_t i = 0; i < points.size(); ++i) {
         const Vector3r& force = scene->forces.getForce(pointIds[i]);
-        if (force != Vector3r::Zero())
-            ancf_model_add_force(model.get(), model->external, points[i].element, points[i].xi, force.data());
+        if (force != Vector3r::Zero()) ancf_point_add_force(model.get(), model->external, &points[i], force.data());
     }
 }
 
@@ -621,10 +625,8 @@ void CableEngine::gatherContacts() {
         table[i].law = &rows[i].law;
         const Real* f = rows[i].normalForce.data();
         const Vector3r back = -rows[i].normalForce;
-        ancf_model_add_force(model.get(), contactForce.data(), table[i].point->element, table[i].point->xi, f);
-        if (table[i].other)
-            ancf_model_add_force(model.get(), contactForce.data(), table[i].other->element, table[i].other->xi,
-                                 back.data());
+        ancf_point_add_force(model.get(), contactForce.data(), table[i].point, f);
+        if (table[i].other) ancf_point_add_force(model.get(), contactForce.data(), table[i].other, back.data());
         if (rows[i].partner < 0) continue;
         ancf_partner& p = partners[rows[i].partner].body;
         table[i].partner = &p;
@@ -696,9 +698,8 @@ void CableEngine::react() {
         const Body& cable = *(*scene->bodies)[rows[i].cable];
         rows[i].phys->shearForce =
             rows[i].phys->normalForce.dot(rows[i].normalForce) > 0 ? friction : Vector3r(-friction);
-        ancf_model_add_force(model.get(), model->f, c.point->element, c.point->xi, friction.data());
-        if (time.substeps > 1)
-            ancf_model_add_force(model.get(), model->f, c.point->element, c.point->xi, rows[i].normalForce.data());
+        ancf_point_add_force(model.get(), model->f, c.point, friction.data());
+        if (time.substeps > 1) ancf_point_add_force(model.get(), model->f, c.point, rows[i].normalForce.data());
         if (!c.partner) continue;
         const Body& body = *(*scene->bodies)[rows[i].other];
         if (!c.other) scene->forces.addForce(body.id, -total);
@@ -732,8 +733,8 @@ void CableEngine::scatter() {
         if (!body)
             refuse(text("contact point ", pointIds[i],
                         " was erased: erase the whole cable, or make one without contact points"));
-        body->state->vel = at(model.get(), model->v, points[i].element, points[i].xi);
-        body->state->pos = at(model.get(), model->x, points[i].element, points[i].xi) - dt * body->state->vel;
+        body->state->vel = at(model.get(), model->v, points[i]);
+        body->state->pos = at(model.get(), model->x, points[i]) - dt * body->state->vel;
     }
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         if (carrierOfBody[carryIds[i]] < 0) continue;
@@ -768,11 +769,10 @@ void CableEngine::trackEnergy() {
     tracker.add(ancf_damping_power(model.get(), model->x, model->v) * time.step, "cableDamping", dampingIx, false);
     Real rubbed = 0;
     for (const ancf_contact& c : table) {
-        Vector3r slip = at(model.get(), model->v, c.point->element, c.point->xi);
-        if (c.other) slip -= at(model.get(), model->v, c.other->element, c.other->xi);
+        Vector3r slip = at(model.get(), model->v, *c.point);
+        if (c.other) slip -= at(model.get(), model->v, *c.other);
         if (c.partner) {
-            const Vector3r arm =
-                at(model.get(), model->x, c.point->element, c.point->xi) - vectorOf(c.partner->position);
+            const Vector3r arm = at(model.get(), model->x, *c.point) - vectorOf(c.partner->position);
             slip -= vectorOf(c.partner->velocity) + vectorOf(c.partner->spin).cross(arm);
         }
         rubbed -= vectorOf(c.friction).dot(slip);
@@ -806,8 +806,7 @@ void CableEngine::action() {
     }
     if (integrator == "rk4") {
         for (size_t i = 0; i < after.size(); ++i) model->external[i] += contactForce[i];
-        for (const ancf_contact& c : table)
-            ancf_model_add_force(model.get(), model->external, c.point->element, c.point->xi, c.friction);
+        for (const ancf_contact& c : table) ancf_point_add_force(model.get(), model->external, c.point, c.friction);
         ancf_rk4(model.get(), time.step);
     } else {
         ancf_correct(model.get(), &time, after.data());
@@ -963,8 +962,7 @@ void CableEngine::relax(Real tolerance, int iterations) {
         state.pos = where;
         state.vel = Vector3r::Zero();
     };
-    for (size_t i = 0; i < points.size(); ++i)
-        place(pointIds[i], at(model.get(), model->x, points[i].element, points[i].xi));
+    for (size_t i = 0; i < points.size(); ++i) place(pointIds[i], at(model.get(), model->x, points[i]));
     for (size_t i = 0; i < carryNodes.size(); ++i) place(carryIds[i], ofNode(model.get(), model->x, carryNodes[i]));
     lastStep = lastSubstep = 0;
 }

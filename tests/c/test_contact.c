@@ -49,7 +49,9 @@ static void toy_point_make(toy_point* p, double xi, double B[4][4]) {
     double S[4];
     shape(S, xi);
     p->point = (ancf_point) {.element = 0, .xi = xi, .n = DOFS, .dof = p->dof, .dv = p->dv};
+    shape(p->point.S, xi);
     for (int i = 0; i < 4; ++i) {
+        p->point.place[i] = place[i];
         p->dof[i] = place[i];
         p->dv[i] = 0.0;
         for (int j = 0; j < 4; ++j) p->dv[i] += B[i][j] * S[j];
@@ -194,7 +196,7 @@ static void sphere_spins_down(void** state) {
     for (int free_axes = 1; free_axes <= 3; free_axes += 2) { // a sheave turns about its axle alone
         toy t;
         toy_make(&t);
-        const ancf_point held = {.element = 0, .xi = 0.0};
+        const ancf_point held = {.place = {0, 2, 1, 3}, .S = {1.0}};
         ancf_partner sphere = {.position = {-R, 0.0, 0.0}, .spin = {0.0, 0.0, spin}};
         for (int i = 3 - free_axes; i < 3; ++i) sphere.inv_inertia[4 * i] = 1.0 / inertia;
         ancf_contact c = {

@@ -15,10 +15,12 @@ typedef struct {
     double inv_inertia[9];                    // world axes, row by row; 0 where it cannot turn [1/(kg m2)]
 } ancf_partner;
 
-// Response of the model to a unit force at a point on a cable (ancf_mass_response).
+// A point on a cable, and the response of the model to a unit force there (ancf_mass_response).
 typedef struct {
     int element;
     double xi;
+    int place[4];     // of its element's unknowns in a block
+    double S[4];      // their weights at xi
     int n;            // unknowns that move
     const int* dof;   // (n)
     const double* dv; // (n) their acceleration under 1 N
@@ -34,6 +36,26 @@ typedef struct {
     const ancf_friction* law;
     double friction[3]; // in: first guess. out: force on `point` [N]; its opposite acts on the other side
 } ancf_contact;
+
+// Sets element, xi, place and S.
+void ancf_point_place(ancf_point* point, const ancf_model* m, int element, double xi);
+
+// Value of a field at a point, S(xi) e.
+static inline void ancf_point_at(double value[3], const ancf_model* m, const double* field, const ancf_point* point) {
+    const int* i = point->place;
+    const double* S = point->S;
+    for (int c = 0; c < 3; ++c) {
+        const double* u = field + c * m->stride;
+        value[c] = S[0] * u[i[0]] + S[1] * u[i[1]] + S[2] * u[i[2]] + S[3] * u[i[3]];
+    }
+}
+
+// Adds the force F at a point to the generalised force, Q = S(xi)^T F (Eq. 16).
+static inline void ancf_point_add_force(const ancf_model* m, double* force, const ancf_point* point,
+                                        const double F[3]) {
+    for (int c = 0; c < 3; ++c)
+        for (int k = 0; k < 4; ++k) force[c * m->stride + point->place[k]] += point->S[k] * F[c];
+}
 
 // Solves the friction of n contacts for a kick of length dt [s]. velocity (3 x stride): in the free velocity, out the
 // velocity after friction. Returns the number of sweeps.
