@@ -1,6 +1,11 @@
 """Cables and nets for YADE: ANCF elements, mass-spring chains, Hollars friction."""
 
-from . import _load
+import pkgutil
+
+# A script beside this source folder finds the compiled part in the folders of PYTHONPATH.
+__path__ = pkgutil.extend_path(__path__, __name__)
+
+from . import _load  # noqa: E402
 
 globals().update(_load.classes)
 

@@ -50,6 +50,7 @@ def _importYade():
         if os.path.isfile(os.path.join(folder, "yade", "__init__.py")):
             sys.path.insert(1, folder)
             break
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # as `yade` without -j
     try:
         import yade
     except ImportError as e:

@@ -120,8 +120,9 @@ class Frame:
         self.bodies = [Body(O.bodies[i], color) for i, color in bodies.items() if O.bodies[i]]
 
     def points(self):
-        centers = [b.center[None] for b in self.bodies]
-        return np.vstack(self.curves + centers)
+        """All points that must be in the picture, (n, 3)."""
+        surfaces = [b.faces().reshape(-1, 3) for b in self.bodies]
+        return np.vstack(self.curves + surfaces)
 
 
 def draw(ax, frame, camera, width=0.9):
@@ -204,12 +205,14 @@ class Film:
         size = np.linalg.norm(high - low)
         return Camera(0.5 * (low + high), azimuth, elevation, 2.5 * size)
 
-    def _limits(self, ax, camera, frames, margin=0.12):
+    def _limits(self, ax, camera, frames, aspect, margin=0.06):
+        """Shows all of the frames in a picture `aspect` times as wide as high."""
         flat = np.vstack([camera.project(f.points())[0] for f in frames])
-        low, high = flat.min(axis=0), flat.max(axis=0)
-        pad = margin * (high - low).max()
-        ax.set_xlim(low[0] - pad, high[0] + pad)
-        ax.set_ylim(low[1] - pad, high[1] + pad)
+        middle = 0.5 * (flat.min(axis=0) + flat.max(axis=0))
+        size = np.ptp(flat, axis=0)
+        half = (0.5 + margin) * max(size[1], size[0] / aspect)
+        ax.set_xlim(middle[0] - aspect * half, middle[0] + aspect * half)
+        ax.set_ylim(middle[1] - half, middle[1] + half)
 
     def nearest(self, time):
         """The frame taken nearest to a time [s]."""
@@ -219,12 +222,12 @@ class Film:
         """Pictures at some times [s] side by side, each as large as its content; all from the same
         side.
         """
-        figure, axes = plt.subplots(1, len(times), figsize=(4.2 * len(times), 4.4))
+        figure, axes = plt.subplots(1, len(times), figsize=(4.2 * len(times), 4.6))
         camera = self._camera(azimuth, elevation)
         for ax, time in zip(np.atleast_1d(axes), times):
             frame = self.nearest(time)
             draw(ax, frame, camera, width=1.1)
-            self._limits(ax, camera, [frame], margin=0.2)
+            self._limits(ax, camera, [frame], 1.0)
             ax.set_title(f"{frame.time:.2f} s", fontsize=13)
         figure.tight_layout()
         figure.savefig(path, dpi=130)
@@ -247,7 +250,7 @@ class Film:
         def show(frame):
             ax.clear()
             draw(ax, frame, camera)
-            self._limits(ax, camera, self.frames)
+            self._limits(ax, camera, self.frames, 9 / 5)
             ax.text(0.02, 0.95, f"{frame.time:.2f} s{note}", transform=ax.transAxes)
 
         figure.subplots_adjust(0, 0, 1, 1)
