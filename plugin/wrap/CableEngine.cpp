@@ -4,6 +4,7 @@
 #include <core/Clump.hpp>
 #include <core/InteractionLoop.hpp>
 #include <core/Omega.hpp>
+#include <lib/pyutil/gil.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
 
 extern "C" {
@@ -27,6 +28,8 @@ CREATE_LOGGER(CableEngine);
 
 namespace {
     constexpr long checkInterval = 100; // steps between two looks at the strain
+    constexpr Real workingStrain = .05; // of a cable that presses on what it holds
+    constexpr Real contactReserve = .8; // of the critical step of a contact
     constexpr Real strainReserve = .1;  // strain for which automatic sub-steps are stable
 
     template <class... Parts> string text(const Parts&... parts) {
@@ -405,27 +408,48 @@ void CableEngine::makeResponses() {
     }
 }
 
-void CableEngine::makeCouplings() {
-    Scene& s = theScene();
-    couplings.clear();
+// Which bodies are contact points, or are carried at their centres.
+void CableEngine::mapBodies() {
+    const Scene& s = theScene();
     carrierOfBody.assign(s.bodies->size(), -1);
     pointOfBody.assign(s.bodies->size(), -1);
-    for (size_t i = 0; i < carryNodes.size(); ++i) {
-        if (centred(bodyOf(s, carryIds[i], "carry"), carryAt[i])) {
-            carrierOfBody[carryIds[i]] = static_cast<int>(i);
-        } else {
-            Coupling c {};
-            c.node = carryNodes[i];
-            c.id = carryIds[i];
-            c.at = carryAt[i];
-            couplings.push_back(c);
-        }
-    }
+    for (size_t i = 0; i < carryNodes.size(); ++i)
+        if (centred(bodyOf(s, carryIds[i], "carry"), carryAt[i])) carrierOfBody[carryIds[i]] = static_cast<int>(i);
     for (size_t i = 0; i < pointIds.size(); ++i) {
-        if (!s.bodies->exists(pointIds[i]))
-            refuse(text("contact point ", pointIds[i],
-                        " was erased: erase the whole cable, or make one without contact points"));
+        if (!s.bodies->exists(pointIds[i])) refuseErased(pointIds[i]);
         pointOfBody[pointIds[i]] = static_cast<int>(i);
+    }
+}
+
+void CableEngine::makeCouplings() {
+    couplings.clear();
+    for (size_t i = 0; i < carryNodes.size(); ++i) {
+        if (carrierOfBody[carryIds[i]] >= 0) continue;
+        Coupling c {};
+        c.node = carryNodes[i];
+        c.id = carryIds[i];
+        c.at = carryAt[i];
+        couplings.push_back(c);
+    }
+}
+
+void CableEngine::refuseErased(Body::id_t id) const {
+    refuse(text("contact point ", id, " was erased: erase the whole cable, or make one without contact points"));
+}
+
+// Pairs of bodies without functors, which YADE does not tell: the package's own check, in Python.
+void CableEngine::checkPairs() const {
+    gilLock lock;
+    try {
+        py::import("ancf.scene").attr("check")();
+    } catch (const py::error_already_set&) {
+        PyObject *type, *value, *trace;
+        PyErr_Fetch(&type, &value, &trace);
+        PyErr_NormalizeException(&type, &value, &trace);
+        const py::handle<> held(value);
+        Py_XDECREF(type);
+        Py_XDECREF(trace);
+        throw std::runtime_error(py::extract<string>(py::str(py::object(held)))());
     }
 }
 
@@ -450,11 +474,13 @@ void CableEngine::checkScene() const {
 void CableEngine::build() {
     checkScene();
     makeModel();
+    mapBodies();
     makeCouplings();
     makeResponses();
     const size_t size = position.size();
     contactForce.assign(size, 0);
     after.assign(size, 0);
+    pointMotion.assign(6 * points.size(), 0);
     carriedForce.assign(carryNodes.size(), Vector3r::Zero());
     carryReaction.resize(carryNodes.size(), Vector3r::Zero());
     checkedIter = -1;
@@ -599,7 +625,8 @@ void CableEngine::gatherContact(const Interaction& contact) {
     const Real w = c.point->compliance + (c.other ? c.other->compliance : 0);
     if (phys->kn * w * scene->dt * scene->dt > 4)
         refuse(text("at iteration ", scene->iter, " the contact of point ", row.cable, " with body ", row.other,
-                    " is too stiff for O.dt = ", scene->dt, " s: use O.dt <= ", 1 / std::sqrt(phys->kn * w)));
+                    " is too stiff for O.dt = ", scene->dt,
+                    " s: use O.dt <= ", contactReserve * 2 / std::sqrt(phys->kn * w)));
     rows.push_back(row);
     table.push_back(c);
 }
@@ -728,13 +755,13 @@ void CableEngine::react() {
 // Contact points and carried bodies go where NewtonIntegrator will find them at the new positions.
 void CableEngine::scatter() {
     const Real dt = scene->dt;
-    for (size_t i = 0; i < points.size(); ++i) {
+    Real *x = pointMotion.data(), *v = x + 3 * points.size();
+    ancf_points_motion(x, v, model.get(), points.data(), static_cast<int>(points.size()));
+    for (size_t i = 0; i < points.size(); ++i, x += 3, v += 3) {
         const auto& body = (*scene->bodies)[pointIds[i]];
-        if (!body)
-            refuse(text("contact point ", pointIds[i],
-                        " was erased: erase the whole cable, or make one without contact points"));
-        body->state->vel = at(model.get(), model->v, points[i]);
-        body->state->pos = at(model.get(), model->x, points[i]) - dt * body->state->vel;
+        if (!body) refuseErased(pointIds[i]);
+        body->state->vel = vectorOf(v);
+        body->state->pos = vectorOf(x) - dt * vectorOf(v);
     }
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         if (carrierOfBody[carryIds[i]] < 0) continue;
@@ -781,7 +808,11 @@ void CableEngine::trackEnergy() {
 }
 
 void CableEngine::action() {
-    if (!model || pointOfBody.size() != scene->bodies->size()) build();
+    if (!model) {
+        build();
+        checkPairs();
+    }
+    if (pointOfBody.size() != scene->bodies->size()) mapBodies();
     model->x = position.data();
     model->v = velocity.data();
     time = timeOfStep();
@@ -901,18 +932,21 @@ Real CableEngine::criticalTimeStep() {
     return ancf_critical_step(model.get(), ancf_strain_max(model.get(), position.data(), &element), &element);
 }
 
-// Largest stiffness of a Hertz impact at a speed, k d^n at the depth where all of m v²/2 is stored, and half the step
-// that its frequency allows.
+// A part of the step that the stiffest contact allows: as deep as an impact at that speed drives it, or as a cable
+// strained to workingStrain presses it.
 Real CableEngine::contactTimeStep(Real speed) {
     if (!model) build();
     const Scene& s = theScene();
-    using Kind = std::pair<const HollarsMat*, Real>; // material, radius
-    std::map<Kind, Real> cables;                     // largest compliance
+    struct Answer {
+        Real compliance = 0, force = 0; // the largest
+    };
+    std::map<std::pair<const HollarsMat*, Real>, Answer> cables; // by material and radius
     for (size_t i = 0; i < points.size(); ++i) {
         const Body& body = *(*s.bodies)[pointIds[i]];
-        const Kind kindOf {dynamic_cast<const HollarsMat*>(body.material.get()),
-                           static_cast<const Sphere&>(*body.shape).radius};
-        cables[kindOf] = std::max(cables[kindOf], points[i].compliance);
+        Answer& answer = cables[{dynamic_cast<const HollarsMat*>(body.material.get()),
+                                 static_cast<const Sphere&>(*body.shape).radius}];
+        answer.compliance = std::max(answer.compliance, points[i].compliance);
+        answer.force = std::max(answer.force, workingStrain * ea[pointElement[i]]);
     }
     std::set<std::pair<const ElastMat*, Real>> others; // material, curvature
     for (const auto& body : *s.bodies) {
@@ -922,20 +956,17 @@ Real CableEngine::contactTimeStep(Real speed) {
         if (material) others.insert({material, sphere ? 1 / sphere->radius : 0});
     }
     Real least = std::numeric_limits<Real>::infinity();
-    for (const auto& [cable, compliance] : cables)
+    for (const auto& [cable, answer] : cables)
         for (const auto& [material, curvature] : others) {
-            if (!cable.first || !(compliance > 0)) continue;
-            const auto* hollars = dynamic_cast<const HollarsMat*>(material);
-            Real k = ancf_hertz_stiffness(1 / (1 / cable.second + curvature), cable.first->young, cable.first->poisson,
-                                          material->young, material->poisson),
-                 n = 1.5;
-            for (const auto* given : {cable.first, hollars})
-                if (given && given->normalStiffness < std::numeric_limits<Real>::infinity()) {
-                    k = given->normalStiffness;
-                    n = given->normalExponent;
-                }
-            const Real depth = std::pow((n + 1) * speed * speed / (2 * k * compliance), 1 / (n + 1));
-            least = std::min(least, 1 / std::sqrt(n * k * std::pow(depth, n - 1) * compliance));
+            if (!cable.first || !(answer.compliance > 0)) continue;
+            HollarsPhys phys;
+            setStiffness(phys, *cable.first, *material, 1 / (1 / cable.second + curvature));
+            const Real k = phys.normalStiffness, n = phys.normalExponent;
+            const Real impact = std::pow((n + 1) * speed * speed / (2 * k * answer.compliance), 1 / (n + 1));
+            const Real depth = std::max(impact, std::pow(answer.force / k, 1 / n));
+            const ancf_normal law = phys.normalLaw();
+            least =
+                std::min(least, contactReserve * 2 / std::sqrt(ancf_normal_tangent(&law, depth) * answer.compliance));
         }
     return least;
 }

@@ -55,7 +55,8 @@ class CableEngine : public GlobalEngine {
     vector<ancf_contact> table;
     vector<Row> rows;
     vector<Partner> partners;
-    vector<Real> contactForce, after, lastVelocity;
+    vector<Real> contactForce, after;
+    vector<Real> pointMotion;      // positions and velocities of the contact points
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
     Real lastElastic = 0;
     Real substepLimit = 0; // length of automatic sub-steps at most [s]
@@ -70,7 +71,10 @@ class CableEngine : public GlobalEngine {
     void changed();
     void makeModel();
     void makeResponses();
+    void mapBodies();
     void makeCouplings();
+    [[noreturn]] void refuseErased(Body::id_t id) const;
+    void checkPairs() const;
     void checkScene() const;
     void checkStep();
     ancf_time timeOfStep() const;

@@ -33,22 +33,21 @@ namespace {
                 curvature += 1 / sphere->radius;
         return curvature > 0 ? 1 / curvature : std::numeric_limits<Real>::infinity();
     }
-
-    // Stiffness and exponent: a material's own, the softer one if both give it, else Hertz.
-    void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real radius) {
-        phys.normalStiffness = ancf_hertz_stiffness(radius, a.young, a.poisson, b.young, b.poisson);
-        phys.normalExponent = 1.5;
-        Real given = std::numeric_limits<Real>::infinity();
-        for (const auto* each : {&a, &b})
-            if (const auto* mat = dynamic_cast<const HollarsMat*>(each); mat && mat->normalStiffness < given) {
-                phys.normalStiffness = given = mat->normalStiffness;
-                phys.normalExponent = mat->normalExponent;
-            }
-        if (!std::isfinite(phys.normalStiffness))
-            throw std::runtime_error("Ip2_…_HollarsPhys: two bodies that are not spheres touch, so there is no radius "
-                                     "for Hertz: give HollarsMat.normalStiffness");
-    }
 } // namespace
+
+void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real radius) {
+    phys.normalStiffness = ancf_hertz_stiffness(radius, a.young, a.poisson, b.young, b.poisson);
+    phys.normalExponent = 1.5;
+    Real given = std::numeric_limits<Real>::infinity();
+    for (const auto* each : {&a, &b})
+        if (const auto* mat = dynamic_cast<const HollarsMat*>(each); mat && mat->normalStiffness < given) {
+            phys.normalStiffness = given = mat->normalStiffness;
+            phys.normalExponent = mat->normalExponent;
+        }
+    if (!std::isfinite(phys.normalStiffness))
+        throw std::runtime_error("Ip2_…_HollarsPhys: two bodies that are not spheres touch, so there is no radius "
+                                 "for Hertz: give HollarsMat.normalStiffness");
+}
 
 void Ip2_HollarsMat_HollarsMat_HollarsPhys::go(const shared_ptr<Material>& first, const shared_ptr<Material>& second,
                                                const shared_ptr<Interaction>& contact) {

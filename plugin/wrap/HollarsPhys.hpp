@@ -39,6 +39,9 @@ public:
 };
 REGISTER_SERIALIZABLE(HollarsPhys);
 
+// Stiffness and exponent of a contact of that radius [m]: a material's own, the softer one if both give it, else Hertz.
+void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real radius);
+
 class Ip2_HollarsMat_HollarsMat_HollarsPhys : public IPhysFunctor {
 public:
     void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;

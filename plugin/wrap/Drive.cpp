@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "Drive.hpp"
+
+#include <cmath>
+
+namespace yade {
+
+Schedules::~Schedules() {
+    if (functions.empty() || !Py_IsInitialized()) return;
+    gilLock lock;
+    functions.clear();
+}
+
+void Schedules::set(int number, const py::object& function) {
+    gilLock lock;
+    functions.erase(number);
+    if (!function.is_none()) functions[number] = function;
+}
+
+namespace {
+    // What Python raised, as text; clears it.
+    string pythonError() {
+        PyObject *type, *value, *trace;
+        PyErr_Fetch(&type, &value, &trace);
+        PyErr_NormalizeException(&type, &value, &trace);
+        string text = "unknown error";
+        if (PyObject* shown = value ? PyObject_Repr(value) : nullptr) {
+            if (const char* letters = PyUnicode_AsUTF8(shown)) text = letters;
+            Py_DECREF(shown);
+        }
+        PyErr_Clear();
+        Py_XDECREF(type);
+        Py_XDECREF(value);
+        Py_XDECREF(trace);
+        return text;
+    }
+} // namespace
+
+Real Schedules::operator()(int number, Real time, const string& name) const {
+    gilLock lock;
+    Real value;
+    try {
+        value = py::extract<Real>(functions.at(number)(time));
+    } catch (const py::error_already_set&) {
+        throw std::runtime_error(name + " at t = " + std::to_string(time) + ": " + pythonError());
+    }
+    if (!std::isfinite(value))
+        throw std::runtime_error(name + " at t = " + std::to_string(time) + " is not finite");
+    return value;
+}
+
+bool isFunction(const py::object& value) { return PyCallable_Check(value.ptr()); }
+
+} // namespace yade

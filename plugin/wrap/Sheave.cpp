@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "Sheave.hpp"
+
+#include <core/Scene.hpp>
+#include <pkg/dem/ScGeom.hpp>
+
+#include <dlfcn.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace yade {
+
+YADE_PLUGIN((Sheave)(Bo1_Sheave_Aabb)(Ig2_Sheave_Sphere_ScGeom)(Gl1_Sheave))
+
+namespace {
+    [[noreturn]] void refuse(const char* attribute, Real value, const string& rule) {
+        std::ostringstream text;
+        text << "Sheave." << attribute << " = " << value << ": " << rule;
+        throw std::invalid_argument(text.str());
+    }
+
+    ancf_groove roundGroove(const Sheave& s) {
+        const Real fillet = s.grooveRadius > 0 ? s.grooveRadius : s.width / 2;
+        if (fillet < s.width / 2 * (1 - 1e-9))
+            refuse("grooveRadius", fillet, "must be at least width/2 in a round groove; a narrower one is profile='vee'");
+        const Real slope = std::asin(std::min(1., s.width / 2 / fillet)), arc = fillet * (1 - std::cos(slope));
+        // Walls, if any, go straight out from the end of the arc.
+        return {s.radius, 0, fillet, slope, std::max(arc, s.flangeHeight), 0};
+    }
+
+    ancf_groove flatGroove(const Sheave& s) {
+        if (s.flangeHeight == 0) return {s.radius, s.width / 2, 0, M_PI / 2, 0, 0};
+        const Real fillet = s.grooveRadius > 0 ? s.grooveRadius : std::min(s.flangeHeight, s.width / 4);
+        if (fillet > s.width / 2 || fillet > s.flangeHeight)
+            refuse("grooveRadius", fillet, "must be at most width/2 and flangeHeight on a flat sheave");
+        return {s.radius, s.width / 2 - fillet, fillet, M_PI / 2, s.flangeHeight, 0};
+    }
+
+    ancf_groove veeGroove(const Sheave& s) {
+        if (!(s.grooveAngle > 0 && s.grooveAngle < M_PI)) refuse("grooveAngle", s.grooveAngle, "must be between 0 and pi");
+        const Real fillet = s.grooveRadius > 0 ? s.grooveRadius : s.width / 6, slope = (M_PI - s.grooveAngle) / 2;
+        const Real wall = s.width / 2 - fillet * std::sin(slope);
+        if (wall < 0) refuse("grooveRadius", fillet, "is too large for the width of this vee");
+        return {s.radius, 0, fillet, slope, fillet * (1 - std::cos(slope)) + wall * std::tan(slope), 0};
+    }
+} // namespace
+
+void Sheave::postLoad(Sheave&) {
+    const auto need = [](bool good, const char* name, Real value, const char* rule) {
+        if (!good) refuse(name, value, rule);
+    };
+    need(std::isfinite(radius) && radius > 0, "radius", radius, "must be finite and above zero [m]");
+    need(std::isfinite(width) && width > 0, "width", width, "must be finite and above zero [m]");
+    for (const auto& [name, value] : {std::pair("grooveRadius", grooveRadius), std::pair("flangeHeight", flangeHeight),
+                                      std::pair("flangeThickness", flangeThickness)})
+        need(std::isfinite(value) && value >= 0, name, value, "must be finite and not below zero [m]");
+    ancf_groove made;
+    if (profile == "round") made = roundGroove(*this);
+    else if (profile == "flat") made = flatGroove(*this);
+    else if (profile == "vee") made = veeGroove(*this);
+    else throw std::invalid_argument("Sheave.profile = '" + profile + "': must be 'round', 'flat' or 'vee'");
+    if (made.height > 0) made.land = flangeThickness > 0 ? flangeThickness : width / 4;
+    const ancf_error error = ancf_groove_check(&made);
+    if (error) throw std::invalid_argument(string("Sheave: ") + ancf_error_text(error));
+    form = made;
+}
+
+Vector3r Sheave::axisOf(const Quaternionr& ori) {
+    Vector3r axis = ori * Vector3r::UnitZ();
+    for (int i = 0; i < 3; ++i)
+        if (std::abs(axis[i]) < 1e-9) axis[i] = 0;
+    return axis.normalized();
+}
+
+py::tuple Sheave::touch(const Vector3r& place, Real ballRadius) const {
+    const Vector3r axis = Vector3r::UnitZ();
+    ancf_groove_contact found;
+    ancf_groove_touch(&found, &form, axis.data(), place.data(), ballRadius);
+    return py::make_tuple(found.depth, Vector3r(found.normal[0], found.normal[1], found.normal[2]));
+}
+
+void Bo1_Sheave_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body*) {
+    const auto& sheave = static_cast<const Sheave&>(*shape);
+    if (!bound) bound = shared_ptr<Bound>(new Aabb);
+    const Vector3r axis = Sheave::axisOf(se3.orientation);
+    Vector3r half;
+    for (int i = 0; i < 3; ++i)
+        half[i] = sheave.rimRadius() * std::sqrt(std::max(0., 1 - axis[i] * axis[i])) +
+                  sheave.overallWidth() / 2 * std::abs(axis[i]);
+    bound->min = se3.position - half;
+    bound->max = se3.position + half;
+}
+
+bool Ig2_Sheave_Sphere_ScGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2, const State& state1,
+                                  const State& state2, const Vector3r& shift2, const bool& force,
+                                  const shared_ptr<Interaction>& contact) {
+    const auto& sheave = static_cast<const Sheave&>(*shape1);
+    const Real radius = static_cast<const Sphere&>(*shape2).radius;
+    const Vector3r axis = Sheave::axisOf(state1.ori), place = state2.pos + shift2 - state1.pos;
+    ancf_groove_contact found;
+    ancf_groove_touch(&found, &sheave.groove(), axis.data(), place.data(), radius);
+    if (found.depth < 0 && !contact->isReal() && !force) return false;
+    const bool fresh = !contact->geom;
+    if (fresh) contact->geom = shared_ptr<ScGeom>(new ScGeom);
+    auto& geom = static_cast<ScGeom&>(*contact->geom);
+    const Vector3r normal(found.normal[0], found.normal[1], found.normal[2]);
+    geom.radius1 = sheave.radius;
+    geom.radius2 = radius;
+    geom.penetrationDepth = found.depth;
+    geom.contactPoint = state2.pos + shift2 - (radius - found.depth / 2) * normal;
+    geom.precompute(state1, state2, scene, contact, normal, fresh, shift2, false);
+    return true;
+}
+
+namespace {
+    // OpenGL's calls, looked up where there is a picture to draw: the plugin does not need the library otherwise.
+    struct Gl {
+        enum { lines = 1, lineStrip = 3, triangleStrip = 5 };
+        void (*begin)(unsigned);
+        void (*end)();
+        void (*normal)(float, float, float);
+        void (*vertex)(float, float, float);
+        void (*color)(float, float, float);
+
+        Gl() {
+            void* library = dlopen("libGL.so.1", RTLD_LAZY | RTLD_GLOBAL);
+            if (!library) throw std::runtime_error("Gl1_Sheave: there is no libGL.so.1");
+            load(begin, library, "glBegin");
+            load(end, library, "glEnd");
+            load(normal, library, "glNormal3f");
+            load(vertex, library, "glVertex3f");
+            load(color, library, "glColor3f");
+        }
+        template <class F> static void load(F& function, void* library, const char* name) {
+            function = reinterpret_cast<F>(dlsym(library, name));
+            if (!function) throw std::runtime_error(string("Gl1_Sheave: libGL.so.1 has no ") + name);
+        }
+    };
+
+    // The outline of the meridian section from side to side: (z, radius).
+    vector<std::pair<float, float>> outline(const ancf_groove& g) {
+        constexpr int arcParts = 8;
+        const Real opening = ancf_groove_opening(&g), half = ancf_groove_half_width(&g), rim = g.radius + g.height;
+        vector<std::pair<float, float>> right; // from the middle out
+        right.emplace_back(g.floor, g.radius);
+        for (int i = 1; i <= arcParts && g.height > 0; ++i) {
+            const Real a = g.slope * i / arcParts;
+            right.emplace_back(g.floor + g.fillet * std::sin(a), g.radius + g.fillet * (1 - std::cos(a)));
+        }
+        right.emplace_back(opening, rim);
+        right.emplace_back(half, rim);
+        right.emplace_back(half, 0);
+        vector<std::pair<float, float>> all;
+        for (auto p = right.rbegin(); p != right.rend(); ++p) all.emplace_back(-p->first, p->second);
+        all.insert(all.end(), right.begin(), right.end());
+        return all;
+    }
+} // namespace
+
+void Gl1_Sheave::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wire, const GLViewInfo&) {
+    static const Gl gl;
+    constexpr int parts = 48;
+    const auto& sheave = static_cast<const Sheave&>(*shape);
+    const auto line = outline(sheave.groove());
+    gl.color(sheave.color[0], sheave.color[1], sheave.color[2]);
+    for (size_t k = 0; k + 1 < line.size(); ++k) {
+        const auto [z0, r0] = line[k];
+        const auto [z1, r1] = line[k + 1];
+        const float dz = z1 - z0, dr = r1 - r0, length = std::hypot(dz, dr);
+        if (length == 0) continue;
+        gl.begin(wire || shape->wire ? Gl::lineStrip : Gl::triangleStrip);
+        for (int i = 0; i <= parts; ++i) {
+            const float c = std::cos(2 * M_PI * i / parts), s = std::sin(2 * M_PI * i / parts);
+            gl.normal(c * dz / length, s * dz / length, -dr / length);
+            gl.vertex(r0 * c, r0 * s, z0);
+            gl.vertex(r1 * c, r1 * s, z1);
+        }
+        gl.end();
+    }
+    gl.color(0, 0, 0); // the mark
+    gl.begin(Gl::lines);
+    const float side = 1.01 * sheave.overallWidth() / 2;
+    for (const float z : {-side, side}) {
+        gl.vertex(0, 0, z);
+        gl.vertex(sheave.rimRadius(), 0, z);
+    }
+    gl.end();
+}
+
+} // namespace yade
