@@ -113,7 +113,10 @@ bool CableEngine::adjacent(int e1, int e2) const {
     return e1 == e2 || a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
 }
 
-void CableEngine::changed() { model.reset(); }
+void CableEngine::changed() {
+    model.reset();
+    pairsChecked = false;
+}
 
 void CableEngine::checkNode(int node, const char* what) const {
     if (node < 0 || node >= nNodes)
@@ -808,10 +811,9 @@ void CableEngine::trackEnergy() {
 }
 
 void CableEngine::action() {
-    if (!model) {
-        build();
-        checkPairs();
-    }
+    if (!model) build();
+    if (!pairsChecked) checkPairs();
+    pairsChecked = true;
     if (pointOfBody.size() != scene->bodies->size()) mapBodies();
     model->x = position.data();
     model->v = velocity.data();

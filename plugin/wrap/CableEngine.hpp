@@ -60,6 +60,7 @@ class CableEngine : public GlobalEngine {
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
     Real lastElastic = 0;
     Real substepLimit = 0; // length of automatic sub-steps at most [s]
+    bool pairsChecked = false;
     long checkedIter = -1;
     Real checkedStep = 0;
     int elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1;
