@@ -678,7 +678,7 @@ class Structure:
         """Largest stable step of the engine's cables, contacts not counted [s]."""
         return self._needEngine("criticalTimeStep").criticalTimeStep()
 
-    def relax(self, tolerance=1e-8, iterations=1000):
+    def relax(self, tolerance=1e-8, iterations=2_000_000):
         """Moves all cables of the engine to static equilibrium under gravity and loads, at rest.
 
         tolerance: of the force on every free unknown, as part of the largest force. RuntimeError if
