@@ -1,0 +1,172 @@
+// The stable step: against eigenvalues computed here, and against what leapfrog does above and below it.
+#include "build.h"
+
+#include "ancf/stability.h"
+
+// Stiffness of an element, straight along x and unstressed, by quadrature: along it EA S'S'^T, across EI S''S''^T.
+static void own_stiffness(double K[4][4], const ancf_element* el, int across) {
+    const double L = el->length;
+    memset(K, 0, 16 * sizeof(double));
+    for (int p = 0; p < 5; ++p) {
+        const double z = gauss5_xi[p];
+        const double slope[4] = {(6 * z * z - 6 * z) / L, 1 - 4 * z + 3 * z * z, (6 * z - 6 * z * z) / L,
+                                 3 * z * z - 2 * z};
+        const double bend[4] = {(12 * z - 6) / (L * L), (6 * z - 4) / L, (6 - 12 * z) / (L * L), (6 * z - 2) / L};
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+                K[i][j] += gauss5_weight[p] * L * (across ? el->ei * bend[i] * bend[j] : el->ea * slope[i] * slope[j]);
+    }
+}
+
+// Largest w of K u = w^2 M u: power iteration with M^-1 K, M inverted by elimination.
+static double own_frequency(double K[4][4], double M[4][4]) {
+    double A[4][8], u[4] = {1.0, -0.3, -0.7, 0.4}, w2 = 0.0;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) {
+            A[i][j] = M[i][j];
+            A[i][4 + j] = K[i][j];
+        }
+    for (int j = 0; j < 4; ++j) {
+        const double pivot = A[j][j];
+        for (int k = 0; k < 8; ++k) A[j][k] /= pivot;
+        for (int i = 0; i < 4; ++i)
+            for (int k = 7; k >= j && i != j; --k) A[i][k] -= A[i][j] * A[j][k];
+    }
+    for (int it = 0; it < 20000; ++it) {
+        double next[4] = {0.0}, size = 0.0;
+        for (int i = 0; i < 4; ++i) {
+            for (int j = 0; j < 4; ++j) next[i] += A[i][4 + j] * u[j];
+            size = fmax(size, fabs(next[i]));
+        }
+        w2 = size;
+        for (int i = 0; i < 4; ++i) u[i] = size > 0.0 ? next[i] / size : 0.0;
+    }
+    return sqrt(w2);
+}
+
+static void element_frequency_is_the_largest(void** state) {
+    (void)state;
+    const ancf_element el[] = {
+        {.kind = 0, .length = 0.08, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3},
+        {.kind = ANCF_LUMPED, .length = 0.08, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3},
+        {.kind = 0, .length = 0.5, .ea = 1.0, .ei = 30.0, .rho_a = 1.0},
+        {.kind = ANCF_LUMPED, .length = 0.5, .ea = 1.0, .ei = 30.0, .rho_a = 1.0},
+        {.kind = 0, .length = 2.0, .ea = 1e4, .ei = 0.0, .rho_a = 0.3},
+    };
+    for (size_t k = 0; k < sizeof el / sizeof *el; ++k) {
+        double M[4][4], K[4][4], along, across;
+        own_mass(M, &el[k]);
+        own_stiffness(K, &el[k], 0);
+        along = own_frequency(K, M);
+        own_stiffness(K, &el[k], 1);
+        across = own_frequency(K, M);
+        assert_close(ancf_element_frequency(&el[k]), fmax(along, across), 1e-6);
+    }
+    // A spring between two halves of its mass: w^2 = 2 (EA/L)/(rho A L/2).
+    const ancf_element spring = {.kind = ANCF_SPRING, .length = 0.2, .ea = 50.0, .rho_a = 0.01};
+    assert_close(ancf_element_frequency(&spring), sqrt(4.0 * 50.0 / 0.01) / 0.2, 1e-12);
+}
+
+// h = 0.9 (2/w)(sqrt(1 + z^2) - z), z = eta w/2, w the element's times sqrt(1 + 3 strain).
+static void rule_by_hand(void** state) {
+    (void)state;
+    const ancf_element spring = {.kind = ANCF_SPRING, .length = 1.0, .ea = 25.0, .rho_a = 1.0, .damping = 0.15};
+    built b = build_cable(3, (ancf_element) {.kind = ANCF_SPRING, .length = 3.0, .ea = 25.0, .rho_a = 1.0}, 0);
+    b.element[1].damping = spring.damping;
+    build_finish(&b);
+    int at = -1;
+    // w = 10, z = 0.75: 0.9 x 0.2 x (1.25 - 0.75).
+    assert_close(ancf_critical_step(b.m, 0.0, &at), 0.09, 1e-9);
+    assert_int_equal(at, 1);
+    const double w = 10.0 * sqrt(1.6), z = 0.075 * w;
+    assert_close(ancf_critical_step(b.m, 0.2, &at), 1.8 / w * (sqrt(1.0 + z * z) - z), 1e-9);
+    build_free(&b);
+}
+
+// Largest speed that a small nudge has grown to after some thousand steps, over that at the start.
+static double growth(built* b, double factor, int steps) {
+    uint64_t seed = 31;
+    int at;
+    ancf_time time = {0};
+    const double h = factor * ancf_critical_step(b->m, 0.0, &at);
+    double first = 0.0, last = 0.0;
+    build_shake(b, b->v, 1e-2, &seed);
+    for (int i = 0; i < 3 * b->stride; ++i) first = fmax(first, fabs(b->v[i]));
+    run_leapfrog(b->m, h, steps, &time);
+    for (int i = 0; i < 3 * b->stride; ++i) {
+        if (!isfinite(b->v[i])) return INFINITY;
+        last = fmax(last, fabs(b->v[i]));
+    }
+    return last / first;
+}
+
+// Five cables and two nets, and two cables whose shared slopes and full mass make the element a cautious bound.
+enum { TIGHT = 7, SCENES = 9 };
+
+static built scene(int which, int damped) {
+    static const ancf_element cable[] = {
+        {.kind = ANCF_LUMPED, .length = 1.0, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3, .damping = 5e-5},
+        {.kind = 0, .length = 1.0, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3, .damping = 5e-5},
+        {.kind = ANCF_LUMPED | ANCF_CURVATURE_EXACT, .length = 2., .ea = 1e4, .ei = 20., .rho_a = .5, .damping = 1e-4},
+        {.kind = ANCF_LUMPED | ANCF_AXIAL_REDUCED, .length = .5, .ea = 40., .ei = .2, .rho_a = .02, .damping = 1e-3},
+        {.kind = ANCF_SPRING, .length = 1.0, .ea = 350.0, .rho_a = 1.1e-3, .damping = 5e-5},
+        {.kind = 0, .length = 1.0, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3, .damping = 5e-5},
+        {.kind = ANCF_CURVATURE_EXACT, .length = 2.0, .ea = 1e4, .ei = 20.0, .rho_a = 0.5, .damping = 1e-4},
+    };
+    static const int elements[] = {10, 4, 8, 5, 12, 4, 8}, smooth[] = {0, 0, 1, 1, 0, 1, 1};
+    const int net = which == 5 || which == 6, k = which < 5 ? which : which - 2;
+    ancf_element all = net ? net_element(which == 5 ? ANCF_LUMPED : 0, 5e-5) : cable[k];
+    if (!damped) all.damping = 0.0;
+    built b = net ? build_net(6, all) : build_cable(elements[k], all, smooth[k]);
+    if (all.kind & ANCF_SPRING) { // taut, or it would not resist
+        for (int i = 0; i < b.n_dof; ++i) b.x[i] *= 1.0001;
+        b.hold[0] = b.hold[b.def.n_nodes - 1] = ANCF_HELD;
+    }
+    build_finish(&b);
+    return b;
+}
+
+static void rule_is_stable_and_tight(void** state) {
+    (void)state;
+    for (int which = 0; which < SCENES; ++which)
+        for (int damped = 0; damped < 2; ++damped) {
+            built b = scene(which, damped);
+            const double below = growth(&b, 1.0, 20000);
+            build_free(&b);
+            if (!(below < 30.0)) fail_msg("scene %d damped %d: not stable at the rule, %g", which, damped, below);
+            if (which >= TIGHT) continue;
+            b = scene(which, damped);
+            const double above = growth(&b, 1.7, 20000);
+            build_free(&b);
+            if (!(above > 1e3)) fail_msg("scene %d damped %d: stable at 1.7, %g", which, damped, above);
+        }
+}
+
+// A cable held stretched by a fifth: the rule with the strain is stable, 1.1 times the unstressed one is not.
+static void strain_makes_the_step_shorter(void** state) {
+    (void)state;
+    for (int taut = 0; taut < 2; ++taut) {
+        const ancf_element all = {.kind = ANCF_LUMPED, .length = 1.0, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3};
+        built b = build_cable(6, all, 0);
+        for (int i = 0; i < b.n_dof; ++i) b.x[i] *= 1.2;
+        b.hold[0] = b.hold[b.def.n_nodes - 1] = ANCF_HELD;
+        build_finish(&b);
+        int at;
+        const double strained = ancf_critical_step(b.m, ancf_strain_max(b.m, b.x, &at), &at);
+        const double plain = ancf_critical_step(b.m, 0.0, &at);
+        assert_close(strained, plain / sqrt(1.0 + 3.0 * 0.22), 1e-12);
+        if (taut) assert_true(growth(&b, strained / plain, 20000) < 30.0);
+        else assert_true(growth(&b, 1.1, 20000) > 1e3);
+        build_free(&b);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(element_frequency_is_the_largest),
+        cmocka_unit_test(rule_by_hand),
+        cmocka_unit_test(rule_is_stable_and_tight),
+        cmocka_unit_test(strain_makes_the_step_shorter),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
