@@ -1,0 +1,159 @@
+// Static equilibrium against closed forms and published values.
+#include "build.h"
+
+#include "ancf/equilibrium.h"
+
+static const double pi = 3.14159265358979323846;
+
+// Cantilever of REFERENCE, L = 2, square 0.1 x 0.1, dead tip load 3 EI/L^2: tip displacement with n elements.
+static void cantilever(double tip[2], int n, int kind) {
+    const double E = 2.07e11, side = 0.1, L = 2.0, ei = E * side * side * side * side / 12.0;
+    const ancf_element all = {.kind = kind, .length = L, .ea = E * side * side, .ei = ei, .rho_a = 78.0};
+    built b = build_cable(n, all, 1);
+    b.hold[0] = b.hold[b.def.n_nodes] = ANCF_HELD;
+    build_finish(&b);
+    b.m->external[2 * b.stride + n] = -3.0 * ei / (L * L);
+    const ancf_error error = ancf_equilibrium(b.m, 1e-9, 2000000);
+    if (error) fail_msg("%d elements: %s", n, ancf_error_text(error));
+    tip[0] = b.x[n] - L;
+    tip[1] = b.x[2 * b.stride + n];
+    build_free(&b);
+}
+
+static void cantilever_near_the_reference(void** state) {
+    (void)state;
+    const double good[5][2] = {
+        {-0.362, -0.994}, {-0.489, -1.175}, {-0.5074, -1.2055}, {-0.50851, -1.20720}, {-0.508537, -1.207239}};
+    const double exact[2] = {-0.508537304, -1.207239855};
+    double before = INFINITY;
+    for (int i = 0; i < 5; ++i) {
+        double tip[2];
+        cantilever(tip, 1 << i, ANCF_CURVATURE_EXACT | ANCF_AXIAL_REDUCED);
+        const double error = hypot(tip[0] - exact[0], tip[1] - exact[1]);
+        const double allowed = hypot(good[i][0] - exact[0], good[i][1] - exact[1]);
+        assert_true(error < before);
+        before = error;
+        assert_true(error < 1.2 * allowed + 2e-6);
+    }
+}
+
+// Elastic catenary between two points at one height: x(s) and z(s) from horizontal pull H, by Newton on the span.
+static double catenary_pull(double span, double length, double weight, double ea) {
+    double low = 1e-6 * weight, high = 1e6 * weight;
+    for (int i = 0; i < 300; ++i) {
+        const double H = sqrt(low * high), V = 0.5 * weight;
+        const double x = H * length / ea + 2.0 * H * length / weight * asinh(V / H);
+        if (x < span) low = H;
+        else high = H;
+    }
+    return high;
+}
+
+static double catenary_sag(double H, double length, double weight, double ea) {
+    const double V = 0.5 * weight;
+    return weight * length / (8.0 * ea) + H * length / weight * (sqrt(1.0 + V * V / (H * H)) - 1.0);
+}
+
+static void hanging_cable(void** state) {
+    (void)state;
+    const double L = 1.2, span = 1.0, rho_a = 0.05, g = 9.81, ea = 5e3, weight = rho_a * L * g;
+    const double H = catenary_pull(span, L, weight, ea), sag = catenary_sag(H, L, weight, ea);
+    const int kinds[] = {0, ANCF_LUMPED, ANCF_CURVATURE_EXACT, ANCF_SPRING};
+    for (int k = 0; k < 4; ++k) {
+        const int n = 16;
+        const ancf_element all = {
+            .kind = kinds[k], .length = L, .ea = ea, .ei = k == 2 ? 1e-7 : 0.0, .rho_a = rho_a, .damping = 0.0};
+        built b = build_cable(n, all, !(kinds[k] & ANCF_SPRING));
+        for (int i = 0; i < b.n_dof; ++i) { // a V, slack
+            const double s = i <= n ? (double)i / n : i <= 2 * n ? (i - n - 0.5) / n : (i - 2 * n - 0.5) / n;
+            if (i <= n) {
+                b.x[i] = span * s;
+                b.x[2 * b.stride + i] = -0.3 * (1.0 - fabs(2.0 * s - 1.0));
+            } else {
+                b.x[2 * b.stride + i] = (s < 0.5 ? -1.0 : 1.0) * 0.5;
+            }
+        }
+        build_share(&b, b.x);
+        b.hold[0] = b.hold[n] = ANCF_HELD;
+        build_finish(&b);
+        b.m->gravity[2] = -g;
+        const ancf_error error = ancf_equilibrium(b.m, 1e-8, 2000000);
+        if (error) fail_msg("kind %d: %s", kinds[k], ancf_error_text(error));
+        assert_near(b.x[2 * b.stride + n / 2], -sag, 1e-3 * sag * (k == 3 ? 3.0 : 1.0)); // a chain is a polygon
+        double left[3], right[3];
+        ancf_acceleration(b.m, b.x, b.v);
+        memset(b.m->a, 0, 3 * (size_t)b.stride * sizeof *b.m->a);
+        ancf_reaction(left, b.m, 0);
+        ancf_reaction(right, b.m, n);
+        assert_close(left[2] + right[2], weight, 1e-5);
+        assert_near(left[0] + right[0], 0.0, 1e-5 * weight);
+        assert_close(right[0], H, 5e-3);
+        build_free(&b);
+    }
+}
+
+// A weight on a cable: strain and tension in closed form; on springs too.
+static void hanging_weight(void** state) {
+    (void)state;
+    for (int kind = 0; kind <= ANCF_SPRING; ++kind) {
+        const ancf_element all = {.kind = kind, .length = 1.0, .ea = 100.0, .rho_a = 1e-9};
+        built b = build_cable(3, all, 0);
+        b.mass[3] = 0.8;
+        b.hold[0] = ANCF_HELD;
+        for (int i = 0; i < b.n_dof; ++i) b.v[i] = 1.0; // relaxation starts from rest, whatever was there
+        build_finish(&b);
+        b.m->gravity[0] = 10.0;
+        assert_int_equal(ancf_equilibrium(b.m, 1e-10, 200000), ANCF_OK);
+        double stretch = 1.08; // EA (l - 1) = 8 for springs; EA (l^2 - 1)/2 l = 8 for Green's strain
+        for (int i = 0; i < 50 && kind != ANCF_SPRING; ++i)
+            stretch -= (50.0 * (stretch * stretch - 1.0) * stretch - 8.0) / (50.0 * (3.0 * stretch * stretch - 1.0));
+        assert_near(b.x[3], stretch, 1e-7);
+        assert_near(ancf_tension(b.m, 1, 0.4), 8.0, 1e-5);
+        for (int i = 0; i < 3 * b.stride; ++i) assert_true(b.v[i] == 0.0);
+        build_free(&b);
+    }
+}
+
+static void no_equilibrium_is_told(void** state) {
+    (void)state;
+    const ancf_element all = {.length = 1.0, .ea = 100.0, .rho_a = 0.1};
+    built b = build_cable(3, all, 1); // nothing held, under gravity
+    build_finish(&b);
+    b.m->gravity[2] = -9.81;
+    assert_int_equal(ancf_equilibrium(b.m, 1e-8, 2000), ANCF_E_EQUILIBRIUM);
+    build_free(&b);
+}
+
+// A straight bar bent by a tip moment stays a circle: EI kappa = M. The moment acts on the end slope as a pair, so the
+// load follows it: r' x F = M needs |r'| = 1, F across the slope.
+static void tip_moment_makes_an_arc(void** state) {
+    (void)state;
+    const int n = 8;
+    const double L = 1.0, ei = 2.0, angle = pi / 3.0, moment = ei * angle / L;
+    const ancf_element all = {
+        .kind = ANCF_CURVATURE_EXACT | ANCF_AXIAL_REDUCED, .length = L, .ea = 1e4, .ei = ei, .rho_a = 1.0};
+    built b = build_cable(n, all, 1);
+    b.hold[0] = b.hold[n + 1] = ANCF_HELD;
+    build_finish(&b);
+    const int slope = b.def.n_nodes + 2 * n - 1;
+    for (int i = 0; i < 30; ++i) { // the dead load is turned until it lies across the slope
+        const double gx = b.x[slope], gy = b.x[b.stride + slope], g2 = gx * gx + gy * gy;
+        b.m->external[slope] = -moment * gy / g2;
+        b.m->external[b.stride + slope] = moment * gx / g2;
+        assert_int_equal(ancf_equilibrium(b.m, 1e-10, 2000000), ANCF_OK);
+    }
+    assert_near(b.x[n], L / angle * sin(angle), 2e-3);
+    assert_near(b.x[b.stride + n], L / angle * (1.0 - cos(angle)), 2e-3);
+    build_free(&b);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cantilever_near_the_reference),
+        cmocka_unit_test(hanging_cable),
+        cmocka_unit_test(hanging_weight),
+        cmocka_unit_test(no_equilibrium_is_told),
+        cmocka_unit_test(tip_moment_makes_an_arc),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
