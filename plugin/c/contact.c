@@ -33,6 +33,13 @@ void ancf_point_place(ancf_point* point, const ancf_model* m, int element, doubl
     ancf_model_weights(point->S, m, element, xi);
 }
 
+void ancf_points_motion(double* position, double* velocity, const ancf_model* m, const ancf_point* point, int n) {
+    for (int k = 0; k < n; ++k) {
+        ancf_point_at(position + 3 * k, m, m->x, &point[k]);
+        ancf_point_at(velocity + 3 * k, m, m->v, &point[k]);
+    }
+}
+
 // Friction acts at the cable's centreline, on both sides (Eq. 12-16).
 static void lever(double arm[3], const ancf_model* m, const ancf_contact* c) {
     ancf_point_at(arm, m, m->x, c->point);
@@ -53,8 +60,9 @@ static void kick_partner(ancf_partner* p, const double arm[3], const double impu
     double moment[3], turn[3];
     cross(moment, arm, impulse);
     multiply(turn, p->inv_inertia, moment);
+    const double guided = dot(p->along, impulse);
     for (int i = 0; i < 3; i++) {
-        p->velocity[i] += p->inv_mass[i] * impulse[i];
+        p->velocity[i] += p->inv_mass[i] * impulse[i] + guided * p->along[i];
         p->spin[i] += turn[i];
     }
 }
@@ -94,6 +102,8 @@ static double partner_compliance(const ancf_partner* p, const double arm[3], con
     }
     cross(side, arm, normal);
     multiply(turn, J, side);
+    const double raised = dot(p->along, normal);
+    trace += dot(p->along, p->along) - raised * raised;
     return 0.5 * (trace - dot(side, turn));
 }
 

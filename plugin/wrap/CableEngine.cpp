@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "CableEngine.hpp"
 
+#include "Drive.hpp"
+
 #include <core/Clump.hpp>
 #include <core/InteractionLoop.hpp>
 #include <core/Omega.hpp>
@@ -267,7 +269,7 @@ void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
     if (!(state.mass > 0))
         throw std::invalid_argument(
             text("CableEngine.carry: body ", id, " has mass ", state.mass, ": must be above 0 [kg]"));
-    if (state.blockedDOFs == State::DOF_ALL)
+    if (state.blockedDOFs == State::DOF_ALL && !placedByDrive(theScene(), body))
         throw std::invalid_argument(text("CableEngine.carry: body ", id, " is blocked in all freedoms: use follow"));
     const Real gap = (state.pos + state.ori * place - nodePosition(position, getStride(), node)).norm();
     if (gap > 1e-6 * (1 + state.pos.norm()))
@@ -346,8 +348,9 @@ void CableEngine::release(int node) {
 // ---------------------------------------------------------------- getting ready
 
 namespace {
-    bool centred(const Body& body, const Vector3r& place) {
-        return place.norm() == 0 && (body.state->blockedDOFs & State::DOF_XYZ) == State::DOF_XYZ;
+    bool centred(const Scene& s, const Body& body, const Vector3r& place) {
+        return place.norm() == 0 && (body.state->blockedDOFs & State::DOF_XYZ) == State::DOF_XYZ &&
+               !placedByDrive(s, body);
     }
 } // namespace
 
@@ -362,7 +365,7 @@ void CableEngine::makeModel() {
     vector<Real> mass(n, 0);
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         const Body& body = bodyOf(theScene(), carryIds[i], "carry");
-        if (centred(body, carryAt[i])) mass[carryNodes[i]] += body.state->mass;
+        if (centred(theScene(), body, carryAt[i])) mass[carryNodes[i]] += body.state->mass;
     }
     vector<int> hold(n + 2 * e, ANCF_FREE);
     for (const int node : fixedNodes) hold[node] = ANCF_HELD;
@@ -417,7 +420,7 @@ void CableEngine::mapBodies() {
     carrierOfBody.assign(s.bodies->size(), -1);
     pointOfBody.assign(s.bodies->size(), -1);
     for (size_t i = 0; i < carryNodes.size(); ++i)
-        if (centred(bodyOf(s, carryIds[i], "carry"), carryAt[i])) carrierOfBody[carryIds[i]] = static_cast<int>(i);
+        if (centred(s, bodyOf(s, carryIds[i], "carry"), carryAt[i])) carrierOfBody[carryIds[i]] = static_cast<int>(i);
     for (size_t i = 0; i < pointIds.size(); ++i) {
         if (!s.bodies->exists(pointIds[i])) refuseErased(pointIds[i]);
         pointOfBody[pointIds[i]] = static_cast<int>(i);
@@ -479,6 +482,9 @@ void CableEngine::build() {
     makeModel();
     mapBodies();
     makeCouplings();
+    if (!couplings.empty() && substeps > 1)
+        refuse(text("substeps = ", substeps, ": body ", couplings[0].id,
+                    " is carried off its centre or guided, which needs substeps = 1 or 0"));
     makeResponses();
     const size_t size = position.size();
     contactForce.assign(size, 0);
@@ -495,7 +501,7 @@ ancf_time CableEngine::timeOfStep() const {
     ancf_time t {theScene().dt, lastStep, std::max(1, substeps), lastSubstep};
     if (integrator == "rk4") {
         t = {t.step, t.step, 1, t.step};
-    } else if (substeps == 0) {
+    } else if (substeps == 0 && couplings.empty()) {
         t.substeps = std::max(1, static_cast<int>(std::ceil(t.step / substepLimit)));
     }
     return t;
@@ -543,7 +549,8 @@ void CableEngine::gatherForces() {
     std::fill_n(model->external, position.size(), 0);
     std::fill(contactForce.begin(), contactForce.end(), 0);
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model.get(), model->external, loadNodes[i], loads[i]);
-    if (!anyForces(*scene)) {
+    pushed = anyForces(*scene);
+    if (!pushed) {
         std::fill(carriedForce.begin(), carriedForce.end(), Vector3r::Zero());
         return;
     }
@@ -551,11 +558,11 @@ void CableEngine::gatherForces() {
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         Vector3r torque;
         forceOn(*scene, *(*scene->bodies)[carryIds[i]], carriedForce[i], torque);
-        if (carrierOfBody[carryIds[i]] >= 0) addNode(model.get(), model->external, carryNodes[i], carriedForce[i]);
+        if (carrierOfBody[carryIds[i]] >= 0) addNode(model.get(), contactForce.data(), carryNodes[i], carriedForce[i]);
     }
     for (size_t i = 0; i < points.size(); ++i) {
         const Vector3r& force = scene->forces.getForce(pointIds[i]);
-        if (force != Vector3r::Zero()) ancf_point_add_force(model.get(), model->external, &points[i], force.data());
+        if (force != Vector3r::Zero()) ancf_point_add_force(model.get(), contactForce.data(), &points[i], force.data());
     }
 }
 
@@ -565,12 +572,15 @@ int CableEngine::partnerOf(const Body& touched) {
     for (size_t i = 0; i < partners.size(); ++i)
         if (partners[i].id == body.id) return static_cast<int>(i);
     const State& state = *body.state;
-    const Mobility m = mobility(body);
-    Vector3r vel = state.vel, spin = state.angVel;
-    if (m.inverseMass != Vector3r::Zero() || m.inverseInertia != Matrix3r::Zero()) {
-        Vector3r force, torque;
+    const Mobility m = mobility(*scene, body);
+    Vector3r vel = state.vel, spin = state.angVel, force, torque;
+    if (m.movable()) {
         scene->forces.sync();
         forceOn(*scene, body, force, torque);
+    }
+    if (drivenBody(*scene, body)) {
+        eachDrive(*scene, [&](const Drive& drive) { drive.predict(vel, spin, *scene, body, force, torque); });
+    } else if (m.movable()) {
         for (int c = 0; c < 3; ++c)
             if (m.inverseMass[c] > 0) vel[c] += scene->dt * (m.inverseMass[c] * force[c] + gravity[c]);
         if (body.isAspherical()) {
@@ -586,6 +596,7 @@ int CableEngine::partnerOf(const Body& touched) {
         p.body.velocity[c] = vel[c];
         p.body.spin[c] = spin[c];
         p.body.inv_mass[c] = m.inverseMass[c];
+        p.body.along[c] = m.along[c];
         for (int d = 0; d < 3; ++d) p.body.inv_inertia[3 * c + d] = m.inverseInertia(c, d);
     }
     if (carrierOfBody[body.id] >= 0) // its velocity is that of its knot, which is `other` in the row
@@ -662,8 +673,9 @@ void CableEngine::gatherContacts() {
         table[i].partner = &p;
         const Vector3r arm = (*scene->bodies)[rows[i].cable]->state->pos - vectorOf(p.position);
         const Vector3r moment = ancf_kick(&time) * arm.cross(back);
+        const Real guided = ancf_kick(&time) * vectorOf(p.along).dot(back);
         for (int c = 0; c < 3; ++c) {
-            p.velocity[c] += ancf_kick(&time) * p.inv_mass[c] * back[c];
+            p.velocity[c] += ancf_kick(&time) * p.inv_mass[c] * back[c] + guided * p.along[c];
             for (int d = 0; d < 3; ++d) p.spin[c] += p.inv_inertia[3 * c + d] * moment[d];
         }
     }
@@ -701,8 +713,8 @@ void CableEngine::solveCouplings() {
             for (int k = 0; k < p.n; ++k)
                 if (p.dof[k] == couplings[i].node) block += p.dv[k] * Matrix3r::Identity();
             if (partner[i] != partner[j]) continue;
-            const Mobility m = mobility(*(*scene->bodies)[couplings[i].id]);
-            block += Matrix3r(m.inverseMass.asDiagonal()) - skew(arm[i]) * m.inverseInertia * skew(arm[j]);
+            const Mobility m = mobility(*scene, *(*scene->bodies)[couplings[i].id]);
+            block += m.massPart() - skew(arm[i]) * m.inverseInertia * skew(arm[j]);
         }
     const Eigen::VectorXd impulse = A.ldlt().solve(gap);
     for (int i = 0; i < n; ++i) {
@@ -711,8 +723,9 @@ void CableEngine::solveCouplings() {
         for (int k = 0; k < point.n; ++k)
             for (int c = 0; c < 3; ++c) after[c * model->stride + point.dof[k]] += point.dv[k] * P[c];
         ancf_partner& p = partners[partner[i]].body;
+        const Real guided = vectorOf(p.along).dot(P);
         for (int c = 0; c < 3; ++c) {
-            p.velocity[c] -= p.inv_mass[c] * P[c];
+            p.velocity[c] -= p.inv_mass[c] * P[c] + guided * p.along[c];
             for (int d = 0; d < 3; ++d) p.spin[c] -= p.inv_inertia[3 * c + d] * moment[d];
         }
         couplings[i].impulse += P;
@@ -728,8 +741,8 @@ void CableEngine::react() {
         const Body& cable = *(*scene->bodies)[rows[i].cable];
         rows[i].phys->shearForce =
             rows[i].phys->normalForce.dot(rows[i].normalForce) > 0 ? friction : Vector3r(-friction);
-        ancf_point_add_force(model.get(), model->f, c.point, friction.data());
-        if (time.substeps > 1) ancf_point_add_force(model.get(), model->f, c.point, rows[i].normalForce.data());
+        ancf_add_contact(model.get(), &time, c.point, friction.data());
+        if (time.substeps > 1) ancf_add_contact(model.get(), &time, c.point, rows[i].normalForce.data());
         if (!c.partner) continue;
         const Body& body = *(*scene->bodies)[rows[i].other];
         if (!c.other) scene->forces.addForce(body.id, -total);
@@ -783,7 +796,8 @@ void CableEngine::trackEnergy() {
     ancf_energy_of(&now, model.get(), 0, nElements());
     auto& tracker = *scene->energy;
     tracker.add(now.kinetic, "cableKinetic", kineticIx, true);
-    tracker.add(.5 * (now.axial + now.bending + lastElastic), "cableElastic", elasticIx, true);
+    const Real elastic = now.axial + now.bending, back = .5 / time.substeps; // velocities are half a sub-step old
+    tracker.add(elastic + back * (lastElastic - elastic), "cableElastic", elasticIx, true);
     Real lifted = 0;
     for (int c = 0; c < 3; ++c) // without carried masses, which NewtonIntegrator counts
         for (int i = 0; i < model->n_dof; ++i) {
@@ -796,7 +810,7 @@ void CableEngine::trackEnergy() {
             lifted += time.step * (*scene->bodies)[carryIds[i]]->state->mass *
                       gravity.dot(ofNode(model.get(), model->v, carryNodes[i]));
     tracker.add(lifted, "gravWork", gravityIx, false);
-    tracker.add(ancf_damping_power(model.get(), model->x, model->v) * time.step, "cableDamping", dampingIx, false);
+    tracker.add(model->damping_work, "cableDamping", dampingIx, false);
     Real rubbed = 0;
     for (const ancf_contact& c : table) {
         Vector3r slip = at(model.get(), model->v, *c.point);
@@ -817,6 +831,7 @@ void CableEngine::action() {
     if (pointOfBody.size() != scene->bodies->size()) mapBodies();
     model->x = position.data();
     model->v = velocity.data();
+    model->track = scene->trackEnergy;
     time = timeOfStep();
     checkStep();
     for (const auto& engine : scene->engines)
@@ -824,10 +839,11 @@ void CableEngine::action() {
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
     for (Coupling& c : couplings) c.impulse = Vector3r::Zero();
 
+    eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });
     holdNodes();
     gatherForces();
     gatherContacts();
-    ancf_predict(model.get(), &time, rows.empty() ? nullptr : contactForce.data());
+    ancf_predict(model.get(), &time, rows.empty() && !pushed ? nullptr : contactForce.data());
     std::copy_n(model->free, after.size(), after.begin());
     solveCouplings();
     solveFriction();
@@ -836,6 +852,7 @@ void CableEngine::action() {
         Real axial, bending;
         ancf_elastic_energy(&axial, &bending, model.get(), model->x, 0, nElements());
         lastElastic = axial + bending;
+        model->damping_work = 0;
     }
     if (integrator == "rk4") {
         for (size_t i = 0; i < after.size(); ++i) model->external[i] += contactForce[i];
@@ -926,6 +943,11 @@ py::tuple CableEngine::momentum() {
     Real linear[3], angular[3];
     ancf_momentum(linear, angular, model.get());
     return py::make_tuple(vectorOf(linear), vectorOf(angular));
+}
+
+bool CableEngine::coupled() {
+    if (!model) build();
+    return !couplings.empty();
 }
 
 Real CableEngine::criticalTimeStep() {

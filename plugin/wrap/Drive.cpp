@@ -44,8 +44,7 @@ Real Schedules::operator()(int number, Real time, const string& name) const {
     } catch (const py::error_already_set&) {
         throw std::runtime_error(name + " at t = " + std::to_string(time) + ": " + pythonError());
     }
-    if (!std::isfinite(value))
-        throw std::runtime_error(name + " at t = " + std::to_string(time) + " is not finite");
+    if (!std::isfinite(value)) throw std::runtime_error(name + " at t = " + std::to_string(time) + " is not finite");
     return value;
 }
 

@@ -18,11 +18,14 @@ public:
     // Sets the velocities that are prescribed for the step ahead; nothing if that was done in this step.
     virtual void prepare(Scene& scene) = 0;
 
+    virtual bool turns(Body::id_t id) const = 0;  // its rotation is ours
+    virtual bool places(Body::id_t id) const = 0; // its translation is ours
+
     // Adds how a body of ours answers; nothing for others.
     virtual void addMobility(Mobility& m, const Scene& scene, const Body& body) const = 0;
 
-    // Adds to velocity and spin what a body of ours gains in this step by the force and torque, and by its drive and
-    // friction.
+    // Sets the velocity or spin that a body of ours will have after this step under a force and torque, its drive and
+    // friction included.
     virtual void predict(Vector3r& velocity, Vector3r& spin, const Scene& scene, const Body& body,
                          const Vector3r& force, const Vector3r& torque) const = 0;
 };
@@ -31,6 +34,18 @@ public:
 template <class F> void eachDrive(const Scene& scene, F f) {
     for (const auto& engine : scene.engines)
         if (auto* drive = dynamic_cast<Drive*>(engine.get()); drive && !engine->dead) f(*drive);
+}
+
+inline bool placedByDrive(const Scene& scene, const Body& body) {
+    bool found = false;
+    eachDrive(scene, [&](const Drive& drive) { found = found || drive.places(body.id); });
+    return found;
+}
+
+inline bool drivenBody(const Scene& scene, const Body& body) {
+    bool found = false;
+    eachDrive(scene, [&](const Drive& drive) { found = found || drive.places(body.id) || drive.turns(body.id); });
+    return found;
 }
 
 // Python functions of time, by number of what they drive. Not saved with a scene.

@@ -3,6 +3,7 @@
 
 #include "CablePoint.hpp"
 #include "Mobility.hpp"
+#include "Sheave.hpp"
 
 #include <core/Scene.hpp>
 
@@ -25,12 +26,15 @@ ancf_friction HollarsPhys::frictionLaw() const {
 }
 
 namespace {
-    // Radius of the contact [m]: r1 r2/(r1 + r2). What is not a sphere is taken as flat.
+    // Radius of the contact [m]: 1 over the sum of mean curvatures, r1 r2/(r1 + r2) for spheres. A sheave has that of
+    // its groove's bottom; what is neither is taken as flat.
     Real contactRadius(const Scene* scene, const Interaction& contact) {
         Real curvature = 0;
         for (const auto id : {contact.getId1(), contact.getId2()})
             if (const auto* sphere = dynamic_cast<const Sphere*>((*scene->bodies)[id]->shape.get()))
                 curvature += 1 / sphere->radius;
+            else if (const auto* sheave = dynamic_cast<const Sheave*>((*scene->bodies)[id]->shape.get()))
+                curvature += ancf_groove_curvature(&sheave->groove());
         return curvature > 0 ? 1 / curvature : std::numeric_limits<Real>::infinity();
     }
 } // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "Mobility.hpp"
 
+#include "Drive.hpp"
+
 #include <core/Clump.hpp>
 #include <core/Interaction.hpp>
 
@@ -12,7 +14,7 @@ const Body& movedBody(const Scene& scene, const Body& body) {
     return body.isClumpMember() ? *(*scene.bodies)[body.clumpId] : body;
 }
 
-Mobility mobility(const Body& moved) {
+Mobility mobility(const Scene& scene, const Body& moved) {
     const State& state = *moved.state;
     Mobility m;
     for (int i = 0; i < 3; ++i)
@@ -24,6 +26,8 @@ Mobility mobility(const Body& moved) {
     } else // turned about the axes of the scene, as NewtonIntegrator does
         for (int i = 0; i < 3; ++i)
             if (turns & (State::DOF_RX << i)) m.inverseInertia(i, i) = 1 / state.inertia[i];
+    if (!turns || !(~state.blockedDOFs & State::DOF_XYZ))
+        eachDrive(scene, [&](const Drive& drive) { drive.addMobility(m, scene, moved); });
     return m;
 }
 
@@ -35,9 +39,9 @@ namespace {
 
 Real sharedCompliance(const Scene& scene, const Body& body, const Vector3r& at, const Vector3r& direction) {
     const Body& moved = movedBody(scene, body);
-    const Mobility m = mobility(moved);
+    const Mobility m = mobility(scene, moved);
     const Vector3r turn = (at - moved.state->pos).cross(direction);
-    const Real alone = direction.dot(m.inverseMass.cwiseProduct(direction)) + turn.dot(m.inverseInertia * turn);
+    const Real alone = direction.dot(m.massPart() * direction) + turn.dot(m.inverseInertia * turn);
     return alone > 0 ? alone * static_cast<Real>(std::max(1L, touching(body))) : 0;
 }
 

@@ -18,9 +18,16 @@ const Body& movedBody(const Scene& scene, const Body& body);
 struct Mobility {
     Vector3r inverseMass = Vector3r::Zero();    // per axis [1/kg]; 0 where it cannot move
     Matrix3r inverseInertia = Matrix3r::Zero(); // on the axes of the scene [1/(kg m²)]
+    Vector3r along = Vector3r::Zero();          // direction of a guide over the root of the mass on it [1/√kg]
+
+    Matrix3r massPart() const { return Matrix3r(inverseMass.asDiagonal()) + along * along.transpose(); }
+    bool movable() const {
+        return inverseMass != Vector3r::Zero() || inverseInertia != Matrix3r::Zero() || along != Vector3r::Zero();
+    }
 };
 
-Mobility mobility(const Body& moved);
+// With what engines such as SheaveEngine do for bodies that NewtonIntegrator sees as blocked.
+Mobility mobility(const Scene& scene, const Body& moved);
 
 // direction·(velocity gained at `at` by a unit impulse along direction) [1/kg], for one of the body's contacts when
 // all of them act at once.

@@ -23,7 +23,8 @@ namespace {
     ancf_groove roundGroove(const Sheave& s) {
         const Real fillet = s.grooveRadius > 0 ? s.grooveRadius : s.width / 2;
         if (fillet < s.width / 2 * (1 - 1e-9))
-            refuse("grooveRadius", fillet, "must be at least width/2 in a round groove; a narrower one is profile='vee'");
+            refuse("grooveRadius", fillet,
+                   "must be at least width/2 in a round groove; a narrower one is profile='vee'");
         const Real slope = std::asin(std::min(1., s.width / 2 / fillet)), arc = fillet * (1 - std::cos(slope));
         // Walls, if any, go straight out from the end of the arc.
         return {s.radius, 0, fillet, slope, std::max(arc, s.flangeHeight), 0};
@@ -38,7 +39,8 @@ namespace {
     }
 
     ancf_groove veeGroove(const Sheave& s) {
-        if (!(s.grooveAngle > 0 && s.grooveAngle < M_PI)) refuse("grooveAngle", s.grooveAngle, "must be between 0 and pi");
+        if (!(s.grooveAngle > 0 && s.grooveAngle < M_PI))
+            refuse("grooveAngle", s.grooveAngle, "must be between 0 and pi");
         const Real fillet = s.grooveRadius > 0 ? s.grooveRadius : s.width / 6, slope = (M_PI - s.grooveAngle) / 2;
         const Real wall = s.width / 2 - fillet * std::sin(slope);
         if (wall < 0) refuse("grooveRadius", fillet, "is too large for the width of this vee");

@@ -13,6 +13,7 @@ typedef struct {
     double position[3], velocity[3], spin[3]; // as they will be without friction [m], [m/s], [rad/s]
     double inv_mass[3];                       // per axis, 0 where it cannot move [1/kg]
     double inv_inertia[9];                    // world axes, row by row; 0 where it cannot turn [1/(kg m2)]
+    double along[3]; // direction of a straight guide over the root of the mass on it; 0: none [1/sqrt(kg)]
 } ancf_partner;
 
 // A point on a cable, and the response of the model to a unit force there (ancf_mass_response).
@@ -49,6 +50,9 @@ static inline void ancf_point_at(double value[3], const ancf_model* m, const dou
         value[c] = S[0] * u[i[0]] + S[1] * u[i[1]] + S[2] * u[i[2]] + S[3] * u[i[3]];
     }
 }
+
+// Positions and velocities of n points, (n x 3) each.
+void ancf_points_motion(double* position, double* velocity, const ancf_model* m, const ancf_point* point, int n);
 
 // Adds the force F at a point to the generalised force, Q = S(xi)^T F (Eq. 16).
 static inline void ancf_point_add_force(const ancf_model* m, double* force, const ancf_point* point,
