@@ -1,4 +1,5 @@
 #include "ancf/step.h"
+#include "ancf/contact.h"
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
 #include "internal.h"
@@ -65,10 +66,35 @@ void ancf_predict(ancf_model* m, const ancf_time* time, const double* contact) {
     set_held(m, m->free);
 }
 
+// What the Kelvin-Voigt forces take out in a kick, to the last bit of the scheme: their work on the mean velocity.
+static void note_damping(ancf_model* m) {
+    const int n = 3 * m->stride;
+    double *damping = m->work + 2 * n, *elastic = damping + n, *before = elastic + n, *rest = before + n;
+    if (!m->track) return;
+    memset(rest, 0, field_size(m));
+    memcpy(before, m->v, field_size(m));
+    ancf_elastic_force(m, damping, m->x, m->v);
+    ancf_elastic_force(m, elastic, m->x, rest);
+    for (int i = 0; i < n; ++i) damping[i] -= elastic[i];
+}
+
+static void track_damping(ancf_model* m, double kick) {
+    const int n = 3 * m->stride;
+    const double *damping = m->work + 2 * n, *before = damping + 2 * n;
+    if (!m->track) return;
+    for (int i = 0; i < n; ++i) m->damping_work -= 0.5 * kick * damping[i] * (before[i] + m->v[i]);
+}
+
+// Time over which the cable's own forces act in a step [s]: less than the step in the first one.
+static double acting_time(const ancf_time* time) {
+    return substep_kick(time) + time->step - time->step / time->substeps;
+}
+
 // The sub-steps after the first, and the means of force and acceleration over the whole step.
 static void substep(ancf_model* m, const ancf_time* time) {
     const int n = 3 * m->stride;
     const double step = time->step / time->substeps, kick = substep_kick(time), whole = ancf_kick(time);
+    const double acting = acting_time(time);
     double *force = m->work, *acceleration = m->work + n;
     for (int i = 0; i < n; ++i) {
         force[i] = kick * m->f[i];
@@ -76,27 +102,31 @@ static void substep(ancf_model* m, const ancf_time* time) {
     }
     for (int s = 1; s < time->substeps; ++s) {
         for (int i = 0; i < n; ++i) m->a[i] = 0.0; // what is held moves evenly after the first
+        note_damping(m);
         ancf_acceleration(m, m->x, m->v);
         for (int i = 0; i < n; ++i) {
             m->v[i] += step * m->a[i];
-            m->x[i] += step * m->v[i];
             force[i] += step * m->f[i];
             acceleration[i] += step * m->a[i];
         }
+        track_damping(m, step);
+        add_scaled(m->x, m->x, step, m->v, n);
     }
     for (int i = 0; i < n; ++i) {
-        m->f[i] = force[i] / whole;
-        m->a[i] = acceleration[i] / whole;
+        m->f[i] = force[i] / acting;
+        m->a[i] = acceleration[i] / acting;
     }
 }
 
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after) {
     const int n = 3 * m->stride;
     const double kick = substep_kick(time), step = time->step / time->substeps, whole = ancf_kick(time);
+    note_damping(m);
     if (time->substeps == 1) {
         if (after != m->free)
             for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / whole;
         memcpy(m->v, after, field_size(m));
+        track_damping(m, kick);
         add_scaled(m->x, m->x, step, m->v, n);
         return;
     }
@@ -105,6 +135,7 @@ void ancf_correct(ancf_model* m, const ancf_time* time, const double* after) {
         m->v[i] += kick * m->a[i] + whole * m->kick[i];
     }
     set_held(m, m->v);
+    track_damping(m, kick);
     add_scaled(m->x, m->x, step, m->v, n);
     substep(m, time);
 }
@@ -135,6 +166,12 @@ void ancf_rk4(ancf_model* m, double step) {
         m->v[i] = v0[i] + step * dv[i];
         m->a[i] = dv[i];
     }
+}
+
+void ancf_add_contact(ancf_model* m, const ancf_time* time, const ancf_point* point, const double force[3]) {
+    const double share = ancf_kick(time) / acting_time(time);
+    const double F[3] = {share * force[0], share * force[1], share * force[2]};
+    ancf_point_add_force(m, m->f, point, F);
 }
 
 void ancf_reaction(double force[3], const ancf_model* m, int dof) {

@@ -32,7 +32,7 @@ namespace {
     constexpr long checkInterval = 100; // steps between two looks at the strain
     constexpr Real workingStrain = .05; // of a cable that presses on what it holds
     constexpr Real contactReserve = .8; // of the critical step of a contact
-    constexpr Real strainReserve = .1;  // strain for which automatic sub-steps are stable
+    constexpr Real strainReserve = .1;  // strain up to which automatic steps are stable
 
     template <class... Parts> string text(const Parts&... parts) {
         std::ostringstream out;
@@ -953,7 +953,8 @@ bool CableEngine::coupled() {
 Real CableEngine::criticalTimeStep() {
     if (!model) build();
     int element;
-    return ancf_critical_step(model.get(), ancf_strain_max(model.get(), position.data(), &element), &element);
+    const Real strained = std::max(strainReserve, ancf_strain_max(model.get(), position.data(), &element));
+    return ancf_critical_step(model.get(), strained, &element);
 }
 
 // A part of the step that the stiffest contact allows: as deep as an impact at that speed drives it, or as a cable

@@ -58,6 +58,7 @@ class CableEngine : public GlobalEngine {
     vector<Real> contactForce, after;
     vector<Real> pointMotion;      // positions and velocities of the contact points
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
+    bool pushed = false; // others' forces act on carried bodies or contact points
     Real lastElastic = 0;
     Real substepLimit = 0; // length of automatic sub-steps at most [s]
     bool pairsChecked = false;
@@ -123,6 +124,7 @@ public:
     void relax(Real tolerance, int iterations);
     void build();
     int getStride() const { return ancf_stride(nNodes, nElements()); }
+    bool coupled();
     int nElements() const { return static_cast<int>(length.size()); }
 
     // clang-format off
@@ -168,6 +170,7 @@ public:
         ,
         .add_property("stride", &CableEngine::getStride, "Length of a block of `position`.")
         .add_property("nElements", &CableEngine::nElements, "Number of elements.")
+        .add_property("coupled", &CableEngine::coupled, "Carries a body off its centre or on a guide, which allows no sub-steps.")
         .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping")),
              "Adds a cable: nodes (n Vector3 [m]), slopes (2 e Vector3), ends (2 e node numbers) and next (e) counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
         .def("addPoint", &CableEngine::addPoint, (py::arg("id"), py::arg("element"), py::arg("xi")), "Puts the body as a contact point at xi of an element.")
@@ -186,7 +189,7 @@ public:
         .def("reaction", &CableEngine::reaction, (py::arg("node")), "Force on the cable that holds or carries a node, in the last step [N]. ValueError for a free node.")
         .def("energy", &CableEngine::energy, (py::arg("first"), py::arg("last")), "Energies [J] of the elements first .. last-1 as dict kinetic, axial, bending, gravity; carried masses not counted.")
         .def("momentum", &CableEngine::momentum, "(linear [kg m/s], angular about the origin [kg m²/s]), with the masses carried at knots.")
-        .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cable as it is strained now, without contact [s].")
+        .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cable at its strain now, at least 0.1, without contact [s].")
         .def("contactTimeStep", &CableEngine::contactTimeStep, (py::arg("speed")), "Stable step [s] for contacts of the points with the bodies of the scene, approached at `speed` [m/s] (Hertz).")
         .def("relax", &CableEngine::relax, (py::arg("tolerance"), py::arg("iterations")), "Moves the cables to static equilibrium; RuntimeError if there is none.")
         .def("build", &CableEngine::build, "Checks everything and gets ready; done by itself at the first step.")

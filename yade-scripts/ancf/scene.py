@@ -136,8 +136,8 @@ def timeStep(engines=None, speed=None):
     speed = fastest() if speed is None else speed
     steps = []
     for engine in engines:
-        leapfrog = engine.integrator == "leapfrog"
-        inside = (engine.substeps or MOST_SUBSTEPS) if leapfrog else 1
+        divides = engine.integrator == "leapfrog" and not engine.coupled
+        inside = (engine.substeps or MOST_SUBSTEPS) if divides else 1
         steps.append(inside * engine.criticalTimeStep())
         if engine.pointIds:
             steps.append(engine.contactTimeStep(speed))

@@ -81,6 +81,8 @@ typedef struct {
     ancf_mass* mass;
     double* weight; // (n_dof) M times a unit displacement of all nodes: gravity's force is weight g [kg or kg m]
     double gravity[3];
+    bool track;          // damping_work is wanted
+    double damping_work; // taken out by Kelvin-Voigt forces so far [J]
 
     double *x, *v;    // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
     double* external; // (3 x stride) forces that act besides those computed here [N, N m]

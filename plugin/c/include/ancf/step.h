@@ -5,6 +5,7 @@
 #ifndef ANCF_STEP_H
 #define ANCF_STEP_H
 
+#include "contact.h"
 #include "model.h"
 
 // Length in time of one step [s].
@@ -30,6 +31,10 @@ void ancf_rk4(ancf_model* m, double step);
 
 // Accelerations at a state into m->a.
 void ancf_acceleration(ancf_model* m, const double* x, const double* v);
+
+// Adds a contact's force to m->f of the step just made, for reactions: friction always, with sub-steps the normal
+// force too.
+void ancf_add_contact(ancf_model* m, const ancf_time* time, const ancf_point* point, const double force[3]);
 
 // Force that holds unknown i at the last step [N]: M a - f of its row, for nodes and slopes that are held.
 void ancf_reaction(double force[3], const ancf_model* m, int dof);
