@@ -1,0 +1,541 @@
+"""Sheaves, belts and linear drives: how they are made, how cables lie on them, what is read off them.
+
+A cable lies in the plane of its sheaves along straight lines and arcs; R below is the radius of its
+centreline, that of the groove's bottom and of the cable together.
+"""
+
+import math
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from yade import O, Quaternion, Vector3, wrapper
+
+from . import scene, values
+from .cables import Cable
+from .laying import curveLength
+from .structure import Structure
+
+DEEPEST_START = 0.5  # depth that a cable may have in a sheave at the start, in its radii
+COARSE = 0.1  # chord error of the contact points that is warned of, in radii of the cable
+
+
+# ---- making ------------------------------------------------------------------------------------
+
+
+def sheave(
+    center,
+    radius,
+    *,
+    axis=(0, 1, 0),
+    width,
+    profile="round",
+    material,
+    mass=None,
+    inertia=None,
+    fixed=True,
+    mask=1,
+    color=(0.5, 0.5, 0.55),
+    **groove,
+):
+    """Puts a sheave into O.bodies and returns its id; add() it to a SheaveEngine to turn it.
+
+    center     [m]
+    radius     at the bottom of the groove [m]
+    axis       direction about which a positive speed turns it
+    width      of the groove between its lips [m]
+    profile    'round', 'flat' or 'vee'; groove: further attributes of Sheave (grooveRadius,
+               grooveAngle, flangeHeight, flangeThickness)
+    material   HollarsMat or FrictMat in O.materials, or its label
+    mass       [kg]; None: that of a solid disc up to the lips
+    inertia    about the axis [kg m2]; None: that of a disc of this mass
+    fixed      False: the axle moves freely (a hanging block), or is carried by a knot
+    """
+    shape = wrapper.Sheave(
+        radius=values.positive("sheave: radius", radius, "m"),
+        width=values.positive("sheave: width", width, "m"),
+        profile=profile,
+        **groove,
+    )
+    mat = material if isinstance(material, wrapper.Material) else O.materials[material]
+    if mass is None:
+        mass = mat.density * math.pi * shape.rimRadius**2 * shape.overallWidth
+    mass = values.positive("sheave: mass", mass, "kg")
+    if inertia is None:
+        inertia = mass * shape.rimRadius**2 / 2
+    inertia = values.notNegative("sheave: inertia", inertia, "kg m2")
+    body = wrapper.Body()
+    body.shape, body.material, body.mask = shape, mat, mask
+    shape.color = Vector3(*color)
+    body.state.pos = body.state.refPos = Vector3(*values.vector("sheave: center", center))
+    body.state.ori = body.state.refOri = _turnTo(values.direction("sheave: axis", axis))
+    body.state.mass = mass
+    # It turns about its axis only, whatever direction that is: the same value on all axes.
+    body.state.inertia = inertia * Vector3(1, 1, 1)
+    body.bounded = True
+    body.state.blockedDOFs = "xyzXYZ" if fixed else "XYZ"
+    return O.bodies.append(body)
+
+
+def _turnTo(axis):
+    """Rotation that takes z to the axis."""
+    z = Vector3(0, 0, 1)
+    to = Vector3(*axis)
+    if to.dot(z) < -1 + 1e-12:
+        return Quaternion(Vector3(1, 0, 0), math.pi)
+    turn = z.cross(to)
+    if turn.norm() == 0:
+        return Quaternion((1, 0, 0), 0)
+    return Quaternion(turn / turn.norm(), math.atan2(turn.norm(), to.dot(z)))
+
+
+def axisOf(sheaveId):
+    """Unit vector of a sheave's axis, (3,); exact where it is along an axis of the scene."""
+    a = np.array(O.bodies[sheaveId].state.ori * Vector3(0, 0, 1))
+    a[abs(a) < 1e-9] = 0
+    return a / np.linalg.norm(a)
+
+
+def _smooth(x):
+    """Step from 0 to 1 with two continuous derivatives, and its slope and integral."""
+    x = min(max(x, 0.0), 1.0)
+    return (
+        x**3 * (10 - 15 * x + 6 * x * x),
+        30 * (x * (1 - x)) ** 2,
+        x**4 * (2.5 - 3 * x + x * x),
+    )
+
+
+class Ramp:
+    """Motion for a linear drive, x(t) [m]: from rest at 0 to rest at `distance` within `duration`.
+
+    Speed and acceleration are continuous. `speed(t)` [m/s].
+    """
+
+    def __init__(self, distance, duration, start=0.0):
+        self.distance = values.finite("Ramp: distance", distance, "m")
+        self.duration = values.positive("Ramp: duration", duration, "s")
+        self.start = values.finite("Ramp: start", start, "s")
+
+    def __call__(self, t):
+        return self.distance * _smooth((t - self.start) / self.duration)[0]
+
+    def speed(self, t):
+        return self.distance / self.duration * _smooth((t - self.start) / self.duration)[1]
+
+
+class SpeedUp:
+    """Motion x(t) [m] that comes smoothly from rest to a constant speed within `duration`.
+
+    Its `speed(t)` [m/s] serves a SheaveEngine too, in rad and rad/s.
+    """
+
+    def __init__(self, speed, duration, start=0.0):
+        self.final = values.finite("SpeedUp: speed", speed, "m/s")
+        self.duration = values.positive("SpeedUp: duration", duration, "s")
+        self.start = values.finite("SpeedUp: start", start, "s")
+
+    def __call__(self, t):
+        x = (t - self.start) / self.duration
+        return self.final * self.duration * (_smooth(x)[2] + max(0.0, x - 1))
+
+    def speed(self, t):
+        return self.final * _smooth((t - self.start) / self.duration)[0]
+
+
+class BackAndForth:
+    """Motion x(t) [m]: 0 to `distance` and back, x = distance (1 - cos(2 pi t/period))/2, after a
+    first quarter that starts without a jump of acceleration.
+    """
+
+    def __init__(self, distance, period):
+        self.distance = values.finite("BackAndForth: distance", distance, "m")
+        self.period = values.positive("BackAndForth: period", period, "s")
+
+    def _phase(self, t):
+        """Phase [rad] that comes up to speed within a quarter of a period, and its rate."""
+        rise, x = self.period / 4, 4 * t / self.period
+        w = 2 * math.pi / self.period
+        return w * rise * (_smooth(x)[2] + max(0.0, x - 1)), w * _smooth(x)[0]
+
+    def __call__(self, t):
+        return self.distance * (1 - math.cos(self._phase(t)[0])) / 2
+
+    def speed(self, t):
+        phase, rate = self._phase(t)
+        return self.distance * math.sin(phase) / 2 * rate
+
+
+# ---- laying ------------------------------------------------------------------------------------
+
+
+def _right(u):
+    return np.array([u[1], -u[0]])
+
+
+@dataclass
+class _Piece:
+    """A straight line (radius 0) from `begin` along `way`, or an arc about `begin`."""
+
+    length: float
+    begin: np.ndarray  # (2,)
+    way: np.ndarray  # (2,) direction at its start
+    radius: float = 0.0
+    sign: int = 1  # 1: counterclockwise
+
+    def at(self, s):
+        """Point and direction at s [m] from its start."""
+        if self.radius == 0:
+            return self.begin + s * self.way, self.way
+        turned = self.sign * s / self.radius
+        c, n = math.cos(turned), math.sin(turned)
+        u = np.array([c * self.way[0] - n * self.way[1], n * self.way[0] + c * self.way[1]])
+        return self.begin + self.sign * self.radius * _right(u), u
+
+
+class Path:
+    """The way of a cable round sheaves, in the plane of the first one.
+
+    stops     list of (sheave id, direction) or (sheave id, direction, further turns); direction 1
+              where the cable goes round as its sheave turns with a positive speed, -1 the other way
+    start, end  points [m] of an open path, projected on the plane; both None: a closed one, a belt
+    diameter  of the cable [m]
+    gap       of the cable from the bottom of the groove at the start [m]; < 0: it lies in it
+
+    length [m], closed, angles: wrap at each stop [rad].
+    """
+
+    def __init__(self, stops, *, diameter, start=None, end=None, gap=0.0):
+        if not stops:
+            raise ValueError("Path: stops is empty: give at least one (sheave id, direction)")
+        self.closed = start is None and end is None
+        if not self.closed and (start is None or end is None):
+            raise ValueError(
+                "Path: start and end must both be given, or neither for a belt, whose ends meet"
+            )
+        self._frame(stops[0][0])
+        if not self.closed and np.linalg.norm(np.subtract(start, end)) == 0:
+            raise ValueError("Path: start and end are one point: leave both out for a belt")
+        r = 0.5 * values.positive("Path: diameter", diameter, "m") + gap
+        rounds = [self._circle(stop, r) for stop in stops]
+        ends = [] if self.closed else [(self._flat(p), 0.0, 1, 0) for p in (start, end)]
+        circles = rounds + rounds[:1] if self.closed else [ends[0], *rounds, ends[1]]
+        lines = [self._line(a, b) for a, b in zip(circles[:-1], circles[1:])]
+        self.pieces, self.angles = [], []
+        between = range(len(rounds)) if self.closed else range(1, len(circles) - 1)
+        if not self.closed:
+            self.pieces.append(lines[0])
+        for i in between:
+            into, out = (lines[i - 1], lines[i]) if not self.closed else (lines[i - 1], lines[i])
+            arc = self._arc(circles[i], into.way, out.way)
+            self.angles.append(arc.length / arc.radius)
+            self.pieces += [arc, out]
+        self.length = sum(p.length for p in self.pieces)
+
+    def _frame(self, sheaveId):
+        axis = axisOf(sheaveId)
+        k = int(np.argmax(abs(axis)))
+        e = np.zeros(3)
+        e[(k + 1) % 3] = 1
+        e -= np.dot(e, axis) * axis
+        self.e1 = e / np.linalg.norm(e)
+        self.e2 = np.cross(axis, self.e1)
+        self.axis, self.origin = axis, np.array(O.bodies[sheaveId].state.pos)
+
+    def _flat(self, p):
+        d = values.vector("Path", p) - self.origin
+        return np.array([d @ self.e1, d @ self.e2])
+
+    def _circle(self, stop, r):
+        sheaveId, sign, *turns = stop
+        body = O.bodies[sheaveId]
+        if not isinstance(body.shape, wrapper.Sheave):
+            raise ValueError(f"Path: body {sheaveId} is a {type(body.shape).__name__}, no Sheave")
+        if sign not in (1, -1):
+            values.refuse(f"Path: direction at sheave {sheaveId}", sign, "must be 1 or -1")
+        along = float(axisOf(sheaveId) @ self.axis)
+        if abs(along) < 1 - 1e-9:
+            raise ValueError(
+                f"Path: the axis of sheave {sheaveId} is not that of the first: lay the cable by "
+                "points of your own"
+            )
+        turned = sign * (1 if along > 0 else -1)
+        return self._flat(body.state.pos), body.shape.radius + r, turned, sum(turns)
+
+    def _line(self, a, b):
+        (c1, r1, d1, _), (c2, r2, d2, _) = a, b
+        away = c2 - c1
+        distance = np.linalg.norm(away)
+        sine = (d1 * r1 - d2 * r2) / distance if distance > 0 else 2.0
+        if abs(sine) >= 1:
+            raise ValueError(
+                f"Path: no straight line goes from {self._space(c1)} to {self._space(c2)}: a point "
+                "lies inside a sheave, or two sheaves are too close for this way round"
+            )
+        unit = away / distance
+        u = unit * math.sqrt(1 - sine**2) - _right(unit) * sine
+        begin, end = c1 + d1 * r1 * _right(u), c2 + d2 * r2 * _right(u)
+        return _Piece(float(np.linalg.norm(end - begin)), begin, u)
+
+    def _arc(self, circle, into, out):
+        center, radius, sign, turns = circle
+        angle = sign * math.atan2(into[0] * out[1] - into[1] * out[0], into @ out)
+        if angle < -1e-12:
+            angle += 2 * math.pi
+        return _Piece(radius * (max(angle, 0) + 2 * math.pi * turns), center, into, radius, sign)
+
+    def _space(self, p):
+        q = self.origin + p[0] * self.e1 + p[1] * self.e2
+        return np.round(q, 15) + 0.0
+
+    def at(self, s):
+        """Point (3,) and unit tangent (3,) at s [m] from the start."""
+        for piece in self.pieces:
+            if s <= piece.length or piece is self.pieces[-1]:
+                p, u = piece.at(min(s, piece.length))
+                return (
+                    self.origin + p[0] * self.e1 + p[1] * self.e2,
+                    u[0] * self.e1 + u[1] * self.e2,
+                )
+            s -= piece.length
+
+    def flow(self, speed):
+        """Velocity field f(p) [m/s] of a cable that runs along the path, for Cable.setVelocity."""
+        way = np.array([self.at(s)[0] for s in np.linspace(0, self.length, 2000)])
+        at = np.linspace(0, self.length, 2000)
+
+        def f(p):
+            near = at[int(np.argmin(((way - np.array(p)) ** 2).sum(1)))]
+            s = near
+            for piece in self.pieces:
+                if s <= piece.length or piece is self.pieces[-1]:
+                    break
+                s -= piece.length
+            q = self._flat(p)
+            u = piece.way
+            if piece.radius:
+                u = -piece.sign * _right(q - piece.begin) / piece.radius
+            return Vector3(*(speed * (u[0] * self.e1 + u[1] * self.e2)))
+
+        return f
+
+
+def lay(path, elements, *, tension=0.0, **cable):
+    """A Cable along a Path, `elements` of equal length, under a tension [N] from the start: a number,
+    or a function of the place along the path [m].
+
+    cable: arguments of Cable (diameter, material, contactPoints, damping, ...).
+    """
+    elements = values.count("lay: elements", elements, 3)
+    count = elements if path.closed else elements + 1
+    places = np.arange(count) * path.length / elements
+    points, tangents = (np.array(x) for x in zip(*[path.at(s) for s in places]))
+    made = Cable(points, 1, closed=path.closed, **cable)
+    if made.section.kind & 1:
+        raise ValueError("lay: model='springs' lies on no arc; use model='ancf'")
+    pull = tension if callable(tension) else lambda s: tension
+
+    def stretch(s):
+        force = values.notNegative("lay: tension", pull(s), "N")
+        ratio = 1.0
+        for _ in range(50):  # T = EA (ratio^2 - 1)/2 ratio
+            ratio = math.sqrt(1 + 2 * force / (made.section.ea * ratio))
+        return ratio
+
+    slope = [stretch(s) * t for s, t in zip(places, tangents)]
+    spacing = path.length / elements
+    layout = made._layout
+    for e, (i, j) in enumerate(layout.ends):
+        length = curveLength(points[i], tangents[i], points[j], tangents[j])
+        layout.length[e] = length / stretch((e + 0.5) * spacing)
+        layout.slopes[2 * e], layout.slopes[2 * e + 1] = slope[i], slope[j]
+    for span in made.spans:
+        span.__init__(made, span._run)
+    return made
+
+
+# ---- engines and checks ------------------------------------------------------------------------
+
+
+def engines(*parts, **options):
+    """As ancf.engines, with sheaves: `parts` are cables, nets, SheaveEngines and GuideEngines.
+
+    Raises ValueError for a cable that starts inside a sheave or does not fit its groove; warns of
+    contact points that are too coarse.
+    """
+    structures = [p for p in parts if isinstance(p, Structure)]
+    drives = [p for p in parts if isinstance(p, (wrapper.SheaveEngine, wrapper.GuideEngine))]
+    for i, part in enumerate(parts):
+        if part not in structures and part not in drives:
+            values.refuse(
+                f"engines: argument {i}",
+                part,
+                "must be a Cable, a Net, a SheaveEngine or a GuideEngine",
+                TypeError,
+            )
+    check(*structures)
+    made = scene.engines(*structures, **options)
+    for engine in made:
+        if isinstance(engine, wrapper.InsertionSortCollider):
+            bounds = engine.boundDispatcher.functors
+            if not any(isinstance(f, wrapper.Bo1_Sheave_Aabb) for f in bounds):
+                engine.boundDispatcher.functors = [*bounds, wrapper.Bo1_Sheave_Aabb()]
+        if isinstance(engine, wrapper.InteractionLoop):
+            pairs = engine.geomDispatcher.functors
+            if not any(isinstance(f, wrapper.Ig2_Sheave_Sphere_ScGeom) for f in pairs):
+                engine.geomDispatcher.functors = [*pairs, wrapper.Ig2_Sheave_Sphere_ScGeom()]
+    return made[:-1] + drives + made[-1:]
+
+
+def sheaves():
+    """Ids of all sheaves in O.bodies."""
+    return [b.id for b in O.bodies if b and isinstance(b.shape, wrapper.Sheave)]
+
+
+def check(*structures):
+    """Raises ValueError, or warns, where cables do not fit the sheaves of the scene."""
+    for structure in structures:
+        if not structure._contactPoints and not structure.bodies:
+            continue
+        for sheaveId in sheaves():
+            _checkStart(structure, sheaveId)
+
+
+def _checkStart(structure, sheaveId):
+    body = O.bodies[sheaveId]
+    shape, r = body.shape, structure.radius
+    back = body.state.ori.conjugate()
+    near = False
+    for span in structure.spans:
+        for p, s in zip(span.curve(4), span.stations(4)):
+            depth = shape.touch(back * (Vector3(*p) - body.state.pos), r)[0]
+            near = near or depth > -2 * r
+            if depth > DEEPEST_START * r:
+                raise ValueError(
+                    f"{structure.name} starts {depth:.3g} m inside sheave {sheaveId} at s = {s:.4f} "
+                    f"(its radius is {r:g} m): lay it further out, or with more elements"
+                )
+    if not near:
+        return
+    if shape.fillet and shape.fillet < r:
+        raise ValueError(
+            f"the groove of sheave {sheaveId} (radius {shape.fillet:g} m) is narrower than "
+            f"{structure.name} (radius {r:g} m): make grooveRadius at least {r:g}"
+        )
+    spacing = max(structure._layout.length) / (structure._contactPoints + 1)
+    error = spacing**2 / (8 * (shape.radius + r))
+    if error > COARSE * r:
+        warnings.warn(
+            f"{structure.name}: contact points {spacing:.3g} m apart on sheave {sheaveId} of radius "
+            f"{shape.radius:g} m leave a chord error of {error:.2g} m, "
+            f"{error / r:.0%} of the cable's radius; more elements or contactPoints make it smaller",
+            stacklevel=4,
+        )
+
+
+# ---- reading -----------------------------------------------------------------------------------
+
+
+@dataclass
+class Wrap:
+    """A cable on a sheave as it is now; arrays along the cable, one value a contact point."""
+
+    arc: np.ndarray  # place along the unstressed cable [m]
+    angle: np.ndarray  # turned through along the wrap [rad], from 0
+    normal: np.ndarray  # normal force [N]
+    friction: np.ndarray  # friction on the cable along it [N]
+    slip: np.ndarray  # speed of the cable relative to the sheave, along the cable [m/s]
+    sticks: np.ndarray  # slower than v_t0
+    entry: float  # mean tension of the element before the wrap [N]
+    exit: float  # and behind it [N]
+
+    @property
+    def wrapAngle(self):
+        """[rad]. Between the outer points; an outer point whose normal force is that of its
+        neighbour adds half of the way to the next one, one with less accordingly less.
+        """
+        if len(self.angle) < 3:
+            return float(self.angle[-1])
+        steps, f = np.diff(self.angle), self.normal
+        shares = [min(f[0] / f[1], 1.0), min(f[-1] / f[-2], 1.0)]
+        return float(self.angle[-1] + steps[0] * (shares[0] - 0.5) + steps[-1] * (shares[1] - 0.5))
+
+    @property
+    def normalSum(self):
+        return float(self.normal.sum())
+
+    @property
+    def frictionSum(self):
+        """Sum of friction along the cable [N]: on a massless one the difference of tensions."""
+        return float(self.friction.sum())
+
+    @property
+    def slipPower(self):
+        """Power that slip takes out [W]."""
+        return float(-(self.friction * self.slip).sum())
+
+
+def wrap(cable, sheaveId):
+    """Reads the Wrap of a cable on a sheave, or None where it touches nowhere."""
+    body = O.bodies[sheaveId]
+    engine, span = cable.engine, cable.spans[0]
+    axis = axisOf(sheaveId)
+    center, vel = np.array(body.state.pos), np.array(body.state.vel)
+    spin = np.array(body.state.angVel)
+    own = {b: k for k, b in enumerate(cable.bodies)}
+    rows = []
+    for contact in body.intrs():
+        other = contact.id1 if contact.id2 == sheaveId else contact.id2
+        if other not in own or contact.phys.normalForce.norm() == 0:
+            continue
+        point = O.bodies[other]
+        e = point.shape.element - cable._first[1]
+        arc = span._arc[e] + point.shape.xi * (span._arc[e + 1] - span._arc[e])
+        ahead = engine.point(point.shape.element, min(1.0, point.shape.xi + 1e-3))
+        behind = engine.point(point.shape.element, max(0.0, point.shape.xi - 1e-3))
+        t = np.array(ahead - behind)
+        t /= np.linalg.norm(t)
+        sign = 1 if contact.id2 == other else -1
+        pos = np.array(point.state.pos)
+        slip = np.array(point.state.vel) - vel - np.cross(spin, pos - center)
+        rows.append(
+            (
+                arc,
+                pos - center,
+                contact.phys.normalForce.norm(),
+                sign * np.dot(contact.phys.shearForce, t),
+                slip @ t,
+                np.linalg.norm(slip - (slip @ axis) * axis) < contact.phys.transitionVelocity,
+            )
+        )
+    if not rows:
+        return None
+    rows.sort(key=lambda row: row[0])
+    closed = cable._layout.ends[-1][1] == cable._layout.ends[0][0]
+    if closed:  # begin behind the longest way without contact
+        arcs = np.array([row[0] for row in rows])
+        gaps = np.diff(np.append(arcs, arcs[0] + span.length))
+        first = (int(np.argmax(gaps)) + 1) % len(rows)
+        rows = rows[first:] + rows[:first]
+    out = np.array([row[1] for row in rows])
+    flat = out - np.outer(out @ axis, axis)
+    steps = [
+        math.atan2(abs(float(np.cross(a, b) @ axis)), float(a @ b)) for a, b in zip(flat, flat[1:])
+    ]
+    columns = [np.array([row[i] for row in rows]) for i in (0, 2, 3, 4, 5)]
+    count = span._run.count
+
+    def mean(arc, step):
+        k = int(np.clip(np.searchsorted(span._arc, arc, side="right") - 1, 0, count - 1)) + step
+        k = k % count if closed else min(max(k, 0), count - 1)
+        x, w = np.polynomial.legendre.leggauss(3)
+        e = cable._first[1] + k
+        return float(sum(0.5 * b * engine.tension(e, 0.5 * (a + 1)) for a, b in zip(x, w)))
+
+    return Wrap(
+        columns[0],
+        np.concatenate([[0.0], np.cumsum(steps)]),
+        *columns[1:],
+        mean(columns[0][0], -1),
+        mean(columns[0][-1], 1),
+    )
