@@ -48,8 +48,11 @@ class CableEngine : public GlobalEngine {
     vector<ancf_point> points; // contact points, in the order of pointIds
     vector<int> responseDof;   // their storage, and that of couplings and carriers
     vector<Real> responseValue;
-    vector<int> pointOfBody;   // (bodies) number of the contact point, or -1
-    vector<int> carrierOfBody; // (bodies) number in carryNodes of a body that is centred on its knot, or -1
+    vector<int> firstNeighbour, neighbour; // contact points that feel each other, (points + 1) and their list
+    vector<Real> neighbourCompliance;      // [1/kg]
+    vector<Real> stiffness;                // (points) of contacts, while they are checked [N/m]
+    vector<int> pointOfBody;               // (bodies) number of the contact point, or -1
+    vector<int> carrierOfBody;             // (bodies) number in carryNodes of a body that is centred on its knot, or -1
     vector<ancf_point> carriers;
     vector<Coupling> couplings;
     vector<ancf_contact> table;
@@ -58,7 +61,7 @@ class CableEngine : public GlobalEngine {
     vector<Real> contactForce, after;
     vector<Real> pointMotion;      // positions and velocities of the contact points
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
-    bool pushed = false; // others' forces act on carried bodies or contact points
+    bool pushed = false;           // others' forces act on carried bodies or contact points
     Real lastElastic = 0;
     Real substepLimit = 0; // length of automatic sub-steps at most [s]
     bool pairsChecked = false;
@@ -77,6 +80,8 @@ class CableEngine : public GlobalEngine {
     void makeCouplings();
     [[noreturn]] void refuseErased(Body::id_t id) const;
     void checkPairs() const;
+    void makeNeighbours();
+    void checkContacts();
     void checkScene() const;
     void checkStep();
     ancf_time timeOfStep() const;

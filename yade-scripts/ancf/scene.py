@@ -12,7 +12,6 @@ LAW_OPTIONS = {
     "normal": ("nonlinear", "hertz", "linear"),
     "friction": ("hollars", "coulomb", "none"),
 }
-MOST_SUBSTEPS = 8  # of the cables inside one step that engines() chooses
 
 
 def engines(
@@ -29,8 +28,8 @@ def engines(
     structures   cables and nets; those not appended yet are appended to one engine
     gravity      [m/s2]
     integrator   'leapfrog' or 'rk4'
-    substeps     of the cables inside O.dt: 'auto' takes as many as they need, a number exactly that
-                 many
+    substeps     of the cables inside O.dt: 'auto' takes one, more only if O.dt is raised later; a
+                 number exactly that many
     contact      dict with normal='nonlinear'|'hertz'|'linear' and
                  friction='hollars'|'coulomb'|'none'
     speed        at which contacts are expected to be approached [m/s]; None: the fastest motion in
@@ -126,18 +125,17 @@ def fastest():
 
 
 def timeStep(engines=None, speed=None):
-    """The step for O.dt [s]: what contacts at an approach speed [m/s] allow, at most 8 sub-steps of
-    the cables.
+    """The step for O.dt [s]: what the cables allow, in the sub-steps they are told to take, and what
+    contacts at an approach speed [m/s] allow.
 
-    engines: CableEngines, None: all in O.engines. Without sub-steps (substeps = 1, rk4) the cables'
-    own step is the limit.
+    engines: CableEngines, None: all in O.engines.
     """
     engines = cableEngines() if engines is None else engines
     speed = fastest() if speed is None else speed
     steps = []
     for engine in engines:
         divides = engine.integrator == "leapfrog" and not engine.coupled
-        inside = (engine.substeps or MOST_SUBSTEPS) if divides else 1
+        inside = max(1, engine.substeps) if divides else 1
         steps.append(inside * engine.criticalTimeStep())
         if engine.pointIds:
             steps.append(engine.contactTimeStep(speed))
