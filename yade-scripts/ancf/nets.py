@@ -123,7 +123,8 @@ class Net(Structure):
 
     def curve(self, k=8):
         """Points on the true curves of all edges, (edges, k elements + 1, 3) numpy [m]."""
-        return np.array([span.curve(k) for span in self.spans])
+        state = self._state()
+        return np.array([span.curve(k, state) for span in self.spans])
 
     def mouthArea(self, axis=None):
         """Area of the rim's polygon [m2]: the length of its area vector, sum of p_i x p_(i+1) / 2.

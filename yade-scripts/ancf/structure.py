@@ -211,12 +211,15 @@ class Span:
         k, xi = self._place(s)
         return self._structure._needEngine("strain").strain(self._engineElement(k), xi)
 
-    def curve(self, k=8):
-        """Points on the cubic curve, k per element and the last end: (k count + 1, 3) numpy [m]."""
+    def curve(self, k=8, state=None):
+        """Points on the cubic curve, k per element and the last end: (k count + 1, 3) numpy [m].
+
+        state: that of the structure, for one who asks for many curves at once.
+        """
         k = values.count(f"{self._structure.name}.curve", k, 1)
         xi = np.arange(k) / k
         run = self._run
-        nodes, slopes, ends = self._structure._state()
+        nodes, slopes, ends = state or self._structure._state()
         parts = [
             self._structure._points(nodes, slopes, ends, e, xi)
             for e in range(run.first, run.first + run.count)

@@ -1,0 +1,521 @@
+"""Two targets, four models of a net's flexibility: the study of Shan, Guo and Gill 2019, remade.
+
+`python3.11 net_study.py` remakes every figure and table of docs/net-study in at most half an hour on
+two cores; --quick is a short form for tests, --captures leaves the other scripts out. Results go to
+out/net-study/. Source: Shan, Guo, Gill, Advances in Space Research (2019), doi
+10.1016/j.asr.2019.10.041.
+"""
+
+import argparse
+import csv
+import multiprocessing
+import pathlib
+import subprocess
+import sys
+import time
+
+import numpy as np
+from tqdm import tqdm
+
+import ancf
+import ball_capture as given
+from yade import O, Vector3, utils
+
+# ---- parameters, SI units; those of the net and its bullets are ball_capture's -------------------
+CUBE_EDGE = 0.12  # [m]
+DURATION = 1.5  # [s]
+SAMPLE = 5e-3  # time between two samples [s]
+COMPARED = 1.4  # models are compared up to this time, as in the study [s]
+RUNS = 8  # perturbed runs a case, besides the unperturbed one
+NUDGE = 1e-6  # relative, of the bullets' velocities; of the target's place in its size
+RESERVE = 0.35  # of the critical step, which falls where a bullet stretches a cable
+PICTURES = (0.30, 0.70, 1.00, 1.40)  # times [s]
+PER_EDGE = 24  # places on each cable at which its penetration is looked at
+
+TARGETS = ("ball", "cube")
+MODELS = {  # three contact points inside each cable, but for springs without mid points
+    "springs 0": dict(model="springs"),
+    "springs 3": dict(model="springs", midPoints=3),
+    "ANCF 1": dict(elements=1, contactPoints=3, mass="lumped"),
+    "ANCF 2": dict(elements=2, contactPoints=1, mass="lumped"),
+}
+CONSISTENT = "ANCF 1, consistent"  # shows what lumping the mass changes; ball only
+COLORS = dict(zip([*MODELS, CONSISTENT], ("#c0392b", "#e08e0b", "#1f6fb2", "#2e8b57", "#7d5ba6")))
+
+
+def options(name):
+    """Arguments of a model for Net.square."""
+    if name == CONSISTENT:
+        return {**MODELS["ANCF 1"], "mass": "consistent"}
+    return MODELS[name]
+
+
+def build(target, model, nudge=0, integrator="leapfrog", gap=None):
+    """The scene; nudge: 0, or the number of a perturbed run. Returns net, id of the target."""
+    a, rng = given.ASSUMED, np.random.default_rng(nudge)
+    small = NUDGE if nudge else 0.0
+    O.reset()
+    O.materials.append(given.material("cable", given.YOUNG, given.POISSON, a["density"]))
+    O.materials.append(given.material("target", a["ballYoung"], a["ballPoisson"], 2700))
+    size = given.BALL_RADIUS if target == "ball" else 0.5 * CUBE_EDGE
+    y, z = small * size * rng.normal(size=2)
+    center = Vector3(given.TARGET_DISTANCE if gap is None else gap, y, z)
+    if target == "ball":
+        body = utils.sphere(center, size, material="target", fixed=True)
+    else:
+        body = utils.box(center, (size, size, size), material="target", fixed=True)
+    number = O.bodies.append(body)
+    net = ancf.Net.square(
+        given.MESHES,
+        given.MESH_LENGTH,
+        diameter=a["diameter"],
+        material="cable",
+        damping=a["damping"],
+        normal=(1, 0, 0),
+        fold=a["fold"],
+        **options(model),
+    )
+    net.addBullets(
+        given.BULLET_MASS,
+        a["bulletRadius"],
+        given.BULLET_SPEED,
+        np.radians(given.BULLET_ANGLE),
+    )
+    O.engines = ancf.engines(net, gravity=(0, 0, -a["gravity"]), integrator=integrator)
+    O.dt = min(O.dt, RESERVE * net.criticalTimeStep())
+    if nudge:
+        nudgeBullets(net, small * given.BULLET_SPEED * rng.normal(size=(4, 3)))
+    ancf.check()
+    return net, number
+
+
+def nudgeBullets(net, by):
+    """Changes the velocities of the corner knots, and so of the bullets, by (4, 3) [m/s]."""
+    engine = net.engine
+    v = np.array(engine.velocity).reshape(3, -1)
+    v[:, net.corners] += by.T
+    engine.velocity = v.ravel().tolist()
+    for number, change in zip(net.bullets, by):
+        O.bodies[number].state.vel += Vector3(*change)
+
+
+def depth(points, body, radius):
+    """How deep a round cable of that radius is in a sphere or box at points of its axis, (n) [m];
+    below zero: outside.
+    """
+    local = np.asarray(points).reshape(-1, 3) - np.array(list(body.state.pos))
+    if hasattr(body.shape, "radius"):
+        return radius + body.shape.radius - np.linalg.norm(local, axis=1)
+    turn = body.state.ori.toRotationMatrix()
+    local = local @ np.array([[turn[i, j] for j in range(3)] for i in range(3)])
+    beyond = np.abs(local) - np.array(list(body.shape.extents))
+    outside = np.linalg.norm(np.maximum(beyond, 0), axis=1)
+    return radius - outside - np.minimum(beyond.max(axis=1), 0)
+
+
+class Run:
+    """One capture, and what is measured in it."""
+
+    def __init__(self, target, model, nudge=0, duration=DURATION, pictures=()):
+        from ancf.plots import Frame, History
+
+        self.target, self.model, self.nudge = target, model, nudge
+        net, number = build(target, model, nudge)
+        body = O.bodies[number]
+        self.nodes, self.edges = net.nodeCount, len(net.spans)
+        self.dof = unknowns(net)
+        self.stable, self.step = net.criticalTimeStep(), O.dt
+        history, self.penetration, self.contacts, self.frames = History(net), [], [], []
+        perElement = PER_EDGE * len(net.spans) // net.elementCount
+        steps, every = int(np.ceil(duration / O.dt)), max(1, round(SAMPLE / O.dt))
+        ahead, bodies, wall = list(pictures), {number: None, **dict.fromkeys(net.bullets)}, 0.0
+        for i in net.bullets:
+            bodies[i] = "#c0392b"
+        while True:
+            history.sample()
+            self.contacts.append(net.engine.contacts)
+            self.penetration.append(depth(net.curve(perElement), body, net.radius).max())
+            while ahead and O.time >= ahead[0] - 0.5 * SAMPLE:
+                self.frames.append(Frame([net], bodies, 8))
+                ahead.pop(0)
+            if O.iter >= steps:
+                break
+            start = time.process_time()
+            for _ in range(min(every, steps - O.iter)):
+                O.step()
+            wall += time.process_time() - start
+        self.wall, self.microseconds = wall, 1e6 * wall / O.iter
+        self.time, self.area = np.array(history.time), np.array(history.area)
+        self.displacement, self.speed = history.displacement, history.speed
+        self.pointPenetration = net.engine.maxPenetration
+        center = body.state.pos[0]
+        self.behind = sum(p[0] > center for p in history.position[-1])
+        self.mouth = self.area[-1] / self.area.max()
+        self.diameter = 2 * net.radius
+
+    @property
+    def deepest(self):
+        """Deepest penetration of the true curve, in diameters of the cable."""
+        return max(0.0, max(self.penetration)) / self.diameter
+
+    @property
+    def firstContact(self):
+        """Time of the first contact, within a sample [s], or nan."""
+        touching = np.flatnonzero(self.contacts)
+        return self.time[touching[0]] if len(touching) else np.nan
+
+    @property
+    def wrapped(self):
+        """All bullets beyond the centre, mouth below 25 %, true curve less than one diameter
+        deep.
+        """
+        return self.behind == 4 and self.mouth < 0.25 and self.deepest < 1
+
+    @property
+    def why(self):
+        """Why it is not wrapped."""
+        reasons = []
+        if self.behind < 4:
+            reasons.append(f"{self.behind} of 4 bullets behind")
+        if self.mouth >= 0.25:
+            reasons.append(f"mouth {100 * self.mouth:.0f} %")
+        if self.deepest >= 1:
+            reasons.append(f"cut {self.deepest:.0f} diameters deep")
+        return ", ".join(reasons)
+
+
+def unknowns(net):
+    """Degrees of freedom, 3 a node and 3 a slope; slopes that go on smoothly count once."""
+    engine = net.engine
+    springs = bool(engine.kind[0] & 1)
+    slopes = 0 if springs else 2 * engine.nElements - sum(k >= 0 for k in engine.next)
+    return 3 * (engine.nNodes + slopes)
+
+
+def makeRun(job):
+    return Run(*job)
+
+
+def runAll(jobs, workers, title):
+    """Runs of all jobs, in their order, with a bar."""
+    if workers == 1:
+        return [makeRun(job) for job in tqdm(jobs, desc=title, file=sys.stdout, leave=False)]
+    with multiprocessing.get_context("fork").Pool(workers, maxtasksperchild=8) as pool:
+        done = pool.imap(makeRun, jobs, chunksize=1)
+        return list(tqdm(done, total=len(jobs), desc=title, file=sys.stdout, leave=False))
+
+
+# ---- Table 3 -------------------------------------------------------------------------------------
+
+
+def stepTime(model, integrator, steps=2000):
+    """Microseconds a step of the deploying net takes, whole loop of YADE, best of three."""
+    build("ball", model, integrator=integrator)
+    best = np.inf
+    for _ in range(3):
+        start = time.process_time()
+        for _ in range(steps // 3):
+            O.step()
+        best = min(best, (time.process_time() - start) / (steps // 3))
+    return 1e6 * best
+
+
+def rkLimit(model):
+    """Longest stable step of RK4 [s]: the largest that keeps a deploying net's energy for 0.02 s."""
+
+    def stable(dt):
+        net, _ = build("ball", model, integrator="rk4")
+        O.dt = dt
+        for _ in range(int(0.02 / dt)):
+            O.step()
+        fast = max(abs(v) for v in net.engine.velocity[: net.engine.nNodes])
+        return np.isfinite(fast) and fast < 5 * given.BULLET_SPEED
+
+    build("ball", model, integrator="rk4")
+    low, high = 0.0, 8 * O.dt
+    for _ in range(6):
+        middle = 0.5 * (low + high)
+        try:
+            good = stable(middle)
+        except RuntimeError:
+            good = False
+        low, high = (middle, high) if good else (low, middle)
+    return low
+
+
+def table(runs, file):
+    """Writes the table; runs: {(target, model): [Run, ...]}."""
+    head = (
+        "target,model,nodes,dof,stable step of the cables [s],step [s],us a step leapfrog (whole capture),"
+        "us a step leapfrog (free),us a step RK4 (free),capture [s],first contact [s],"
+        "deepest of the true curve [diameters],deepest contact point [diameters],mouth [%],wrapped,why not"
+    ).split(",")
+    rows = []
+    free = {}
+    for (target, model), all_ in runs.items():
+        if model not in free:
+            free[model] = [stepTime(model, i) for i in ("leapfrog", "rk4")]
+        first = all_[0]
+        deep = np.array([r.deepest for r in all_])
+        reasons = sorted({r.why for r in all_} - {""})
+        rows.append(
+            [
+                target,
+                model,
+                first.nodes,
+                first.dof,
+                f"{first.stable:.2e}",
+                f"{first.step:.2e}",
+                f"{first.microseconds:.1f}",
+                *(f"{x:.1f}" for x in free[model]),
+                f"{np.median([r.wall for r in all_]):.1f}",
+                f"{first.firstContact:.3f}",
+                f"{deep.mean():.2f} ± {deep.std():.2f}" if len(deep) > 1 else f"{deep[0]:.2f}",
+                f"{max(r.pointPenetration for r in all_) / first.diameter:.2f}",
+                f"{100 * np.mean([r.mouth for r in all_]):.0f}",
+                f"{sum(r.wrapped for r in all_)} of {len(all_)}",
+                reasons[0] if reasons else "",
+            ]
+        )
+    writeTable(file, head, rows)
+
+
+def writeTable(file, head, rows):
+    """Writes a CSV and prints it."""
+    with open(file, "w", newline="", encoding="utf-8") as out:
+        csv.writer(out).writerows([head, *rows])
+    print(f"\n{file}")
+    widths = [max(len(str(r[i])) for r in [head, *rows]) for i in range(len(head))]
+    if sum(widths) > 180:
+        for row in rows:
+            print("  " + "; ".join(f"{h} {x}" for h, x in zip(head, row) if x != ""))
+    else:
+        for row in [head, *rows]:
+            print("  " + "  ".join(str(x).ljust(w) for x, w in zip(row, widths)))
+    sys.stdout.flush()
+
+
+# ---- differences between models ------------------------------------------------------------------
+
+
+def apart(a, b):
+    """Largest difference of bullet 1's displacement between two runs up to COMPARED [m]."""
+    end = min(COMPARED, a.time[-1], b.time[-1])
+    t = np.arange(0, end, SAMPLE)
+    one, other = (np.interp(t, r.time, r.displacement[:, 0]) for r in (a, b))
+    return np.abs(one - other).max()
+
+
+def differences(runs, file):
+    """Table of differences between and inside models, over all pairs of runs; returns {target:
+    (inside, between)} in metres.
+    """
+    rows, answer = [], {}
+    for target in dict.fromkeys(t for t, _ in runs):
+        models = [m for t, m in runs if t == target]
+        inside, between = [], []
+        for i, one in enumerate(models):
+            for other in models[i:]:
+                a, b = runs[target, one], runs[target, other]
+                if one == other:
+                    d = np.array([apart(x, y) for k, x in enumerate(a) for y in a[k + 1 :]])
+                    if not len(d):
+                        continue
+                    inside.append(d.mean())
+                else:
+                    d = np.array([apart(x, y) for x in a for y in b])
+                    between.append(d.mean())
+                travelled = max(r.displacement[r.time <= COMPARED, 0].max() for r in a)
+                rows.append(
+                    [
+                        target,
+                        one,
+                        other,
+                        f"{100 * d.mean():.2f}",
+                        f"{100 * d.std():.2f}",
+                        f"{100 * d.max():.2f}",
+                        f"{100 * d.mean() / travelled:.2f}",
+                        len(d),
+                    ]
+                )
+        answer[target] = (inside, between)
+    head = [
+        "target",
+        "model",
+        "other model",
+        "mean difference [cm]",
+        "its spread [cm]",
+        "largest [cm]",
+        "mean [% of travel]",
+        "pairs",
+    ]
+    writeTable(file, head, rows)
+    return answer
+
+
+# ---- figures -------------------------------------------------------------------------------------
+
+
+def plotBullet(runs, target, file):
+    """Displacement and velocity of bullet 1, all models: Figs. 16-17 (ball), 18-19 (cube)."""
+    from ancf.plots import plt
+
+    figure, axes = plt.subplots(1, 3, figsize=(16, 4.6))
+    models = [m for t, m in runs if t == target]
+    reference = runs[target, models[-1]][0]
+    for model in models:
+        all_, color = runs[target, model], COLORS[model]
+        for ax, what in zip(axes, ("displacement", "speed")):
+            for run in all_[1:]:
+                ax.plot(run.time, getattr(run, what)[:, 0], color=color, lw=0.4, alpha=0.35)
+            ax.plot(all_[0].time, getattr(all_[0], what)[:, 0], color=color, lw=1.6, label=model)
+        for run in all_[1:] or all_:
+            gap = run.displacement[:, 0] - np.interp(
+                run.time, reference.time, reference.displacement[:, 0]
+            )
+            axes[2].plot(run.time, 100 * gap, color=color, lw=0.7, alpha=0.6)
+        axes[0].axvline(all_[0].firstContact, color=color, lw=0.6, ls=":")
+    axes[0].set_ylabel("displacement of bullet 1 [m]")
+    axes[1].set_ylabel("speed of bullet 1 [m/s]")
+    axes[2].set_ylabel(f"displacement less that of {models[-1]}, unperturbed [cm]")
+    for ax in axes:
+        ax.set_xlabel("time [s]")
+        ax.set_xlim(0, reference.time[-1])
+        ax.grid(alpha=0.3)
+    axes[0].legend(fontsize=9)
+    figure.suptitle(
+        f"{target}: unperturbed runs (thick) and perturbed ones (thin); dotted: first contact",
+        fontsize=11,
+    )
+    figure.tight_layout()
+    figure.savefig(file, dpi=100)
+    plt.close(figure)
+
+
+def plotPenetration(runs, file):
+    """Depth of the true curve in the target over time."""
+    from ancf.plots import plt
+
+    targets = list(dict.fromkeys(t for t, _ in runs))
+    figure, axes = plt.subplots(1, len(targets), figsize=(6.5 * len(targets), 4.4), squeeze=False)
+    for ax, target in zip(axes[0], targets):
+        for (t, model), all_ in runs.items():
+            if t != target:
+                continue
+            for run in all_:
+                deep = np.maximum(run.penetration, 1e-9) / run.diameter
+                label = model if run is all_[0] else None
+                ax.plot(run.time, deep, color=COLORS[model], lw=0.9, alpha=0.7, label=label)
+        ax.axhline(1, color="k", lw=0.8, ls=":")
+        ax.annotate("one diameter", (0.02, 1.15), fontsize=8)
+        ax.set_yscale("log")
+        ax.set_ylim(1e-3, 200)
+        ax.set_title(target)
+        ax.set_xlabel("time [s]")
+        ax.set_ylabel("deepest point of the cables' true curve [diameters]")
+        ax.grid(alpha=0.3)
+        ax.legend(fontsize=9)
+    figure.tight_layout()
+    figure.savefig(file, dpi=100)
+    plt.close(figure)
+
+
+def plotPictures(runs, target, file):
+    """Pictures of the unperturbed run, a row a model: Figs. 10-15."""
+    from ancf.plots import Camera, draw, plt
+
+    models = [m for t, m in runs if t == target and runs[t, m][0].frames]
+    frames = {m: runs[target, m][0].frames for m in models}
+    columns = max(len(f) for f in frames.values())
+    figure, axes = plt.subplots(
+        len(models), columns, figsize=(3.1 * columns, 3.1 * len(models)), squeeze=False
+    )
+    for column in range(columns):
+        points = np.vstack([frames[m][column].points() for m in models])
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        size = np.linalg.norm(np.ptp(points, axis=0))
+        camera = Camera(middle, -50, 22, 3 * size)
+        flat = camera.project(points)[0]
+        center, half = 0.5 * (flat.min(0) + flat.max(0)), 0.54 * np.ptp(flat, axis=0).max()
+        for row, model in enumerate(models):
+            ax, frame = axes[row, column], frames[model][column]
+            draw(ax, frame, camera, width=0.9)
+            ax.set_xlim(center[0] - half, center[0] + half)
+            ax.set_ylim(center[1] - half, center[1] + half)
+            if row == 0:
+                ax.set_title(f"{frame.time:.2f} s", fontsize=11)
+            if column == 0:
+                ax.set_ylabel(model, fontsize=11)
+    figure.tight_layout()
+    figure.savefig(file, dpi=90)
+    plt.close(figure)
+
+
+# ---- the whole -----------------------------------------------------------------------------------
+
+
+def study(folder, runs, workers, duration, targets, models, lumping=True):
+    """All captures; returns {(target, model): [Run, ...]}, the unperturbed first."""
+    cases = [(t, m) for t in targets for m in models]
+    if lumping:
+        cases.append(("ball", CONSISTENT))
+    pictures = [t for t in PICTURES if t <= duration] or [duration]
+    jobs = []
+    for target, model in cases:
+        many = 0 if model == CONSISTENT and runs < 2 else runs
+        jobs += [(target, model, k, duration, pictures if k == 0 else ()) for k in range(many + 1)]
+    done = runAll(jobs, workers, "captures")
+    result = {case: [r for r in done if (r.target, r.model) == case] for case in cases}
+    table(result, folder / "table.csv")
+    answer = differences(result, folder / "differences.csv")
+    conclude(answer)
+    for target in targets:
+        plotBullet(result, target, folder / f"bullet-{target}.png")
+        plotPictures(result, target, folder / f"pictures-{target}.png")
+    plotPenetration(result, folder / "penetration.png")
+    return result
+
+
+def conclude(answer):
+    """Says how differences between models compare with those inside one."""
+    print()
+    for target, (inside, between) in answer.items():
+        if not inside or not between:
+            continue
+        print(
+            f"{target}: between models {100 * min(between):.1f} to {100 * max(between):.1f} cm, "
+            f"inside one model {100 * min(inside):.1f} to {100 * max(inside):.1f} cm; the study: 6 cm"
+        )
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="short form, under a minute")
+    parser.add_argument("--captures", action="store_true", help="only the captures")
+    parser.add_argument("--runs", type=int, default=RUNS, help="perturbed runs a case")
+    parser.add_argument("--workers", type=int, default=2, help="processes")
+    parser.add_argument("--time", type=float, default=DURATION, help="to simulate [s]")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/net-study"))
+    return parser.parse_args()
+
+
+def main():
+    args = arguments()
+    args.out.mkdir(parents=True, exist_ok=True)
+    given.head()
+    start = time.perf_counter()
+    if args.quick:
+        study(args.out, 1, args.workers, 0.9, ("ball",), ("springs 0", "ANCF 1"), lumping=False)
+    else:
+        study(args.out, args.runs, args.workers, args.time, TARGETS, MODELS)
+    if not args.captures:
+        here = pathlib.Path(__file__).resolve().parent
+        for script in ("contact_laws", "deployment", "chains"):
+            command = [sys.executable, str(here / f"{script}.py"), "--out", str(args.out)]
+            print(f"\n{script}.py", flush=True)
+            subprocess.run(command + (["--quick"] if args.quick else []), check=True)
+    print(f"\nall of it took {time.perf_counter() - start:.0f} s; results are in {args.out}/")
+
+
+if __name__ == "__main__":
+    main()
