@@ -45,7 +45,7 @@ ASSUMED = dict(
     damping=5e-5,  # Kelvin-Voigt time of the cables [s]
     gravity=0.0,  # [m/s2]
 )
-MASS = "consistent"
+MASS = "lumped"
 
 SAMPLE = 5e-3  # time between two samples [s]
 STRIP_TIMES = (0.25, 0.7, 1.1, 1.4)  # of the pictures [s]
