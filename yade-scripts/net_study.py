@@ -28,7 +28,7 @@ SAMPLE = 5e-3  # time between two samples [s]
 COMPARED = 1.4  # models are compared up to this time, as in the study [s]
 RUNS = 8  # perturbed runs a case, besides the unperturbed one
 NUDGE = 1e-6  # relative, of the bullets' velocities; of the target's place in its size
-RESERVE = 0.35  # of the critical step, which falls where a bullet stretches a cable
+RESERVE = 0.6  # of the critical step, which falls where a bullet stretches a cable
 PICTURES = (0.30, 0.70, 1.00, 1.40)  # times [s]
 PER_EDGE = 24  # places on each cable at which its penetration is looked at
 
