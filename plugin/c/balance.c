@@ -10,13 +10,14 @@ void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end
         int dof[4];
         ancf_mass_element(M, &m->element[e]);
         ancf_model_dofs(dof, m, e);
+        const bool diagonal = m->element[e].kind & (ANCF_LUMPED | ANCF_SPRING);
         for (int c = 0; c < 3; ++c) {
             const double *x = m->x + c * m->stride, *v = m->v + c * m->stride;
             for (int i = 0; i < 4; ++i) {
-                double momentum = 0.0;
-                for (int j = 0; j < 4; ++j) momentum += M[i][j] * v[dof[j]];
+                double momentum = diagonal ? M[i][i] * v[dof[i]] : 0.0;
+                for (int j = 0; j < 4 && !diagonal; ++j) momentum += M[i][j] * v[dof[j]];
                 energy->kinetic += 0.5 * v[dof[i]] * momentum;
-                energy->gravity -= m->gravity[c] * (M[i][0] + M[i][2]) * x[dof[i]];
+                if (m->gravity[c] != 0.0) energy->gravity -= m->gravity[c] * (M[i][0] + M[i][2]) * x[dof[i]];
             }
         }
     }

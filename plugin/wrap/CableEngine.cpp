@@ -118,6 +118,7 @@ bool CableEngine::adjacent(int e1, int e2) const {
 void CableEngine::changed() {
     model.reset();
     pairsChecked = false;
+    trackedIter = -1;
 }
 
 void CableEngine::checkNode(int node, const char* what) const {
@@ -843,6 +844,8 @@ void CableEngine::trackEnergy() {
     tracker.add(now.kinetic, "cableKinetic", kineticIx, true);
     const Real elastic = now.axial + now.bending, back = .5 / time.substeps; // velocities are half a sub-step old
     tracker.add(elastic + back * (lastElastic - elastic), "cableElastic", elasticIx, true);
+    lastElastic = elastic;
+    trackedIter = scene->iter;
     Real lifted = 0;
     for (int c = 0; c < 3; ++c) // without carried masses, which NewtonIntegrator counts
         for (int i = 0; i < model->n_dof; ++i) {
@@ -894,9 +897,11 @@ void CableEngine::action() {
     solveFriction();
     if (!rows.empty()) solveCouplings();
     if (scene->trackEnergy) {
-        Real axial, bending;
-        ancf_elastic_energy(&axial, &bending, model.get(), model->x, 0, nElements());
-        lastElastic = axial + bending;
+        if (trackedIter != scene->iter - 1) { // else known from the step before
+            Real axial, bending;
+            ancf_elastic_energy(&axial, &bending, model.get(), model->x, 0, nElements());
+            lastElastic = axial + bending;
+        }
         model->damping_work = 0;
     }
     if (integrator == "rk4") {
