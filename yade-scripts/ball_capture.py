@@ -34,7 +34,7 @@ DURATION = 1.5  # [s]
 ASSUMED = dict(
     diameter=1e-3,  # of the cables [m]
     density=1440.0,  # of the cables [kg/m3]
-    fold=0.1,  # size of the folded net as part of the open one
+    fold=0.65,  # size of the folded net as part of the open one, see below
     bulletRadius=0.01,  # [m]
     ballYoung=70e9,  # [Pa]
     ballPoisson=0.33,
@@ -67,8 +67,9 @@ def material(label, young, poisson, density):
 
 
 def build(nudge):
-    """The scene; nudge (4) changes speed, angle and the ball's y and z a little. Returns net, id of
-    the ball.
+    """The scene; nudge (4) changes speed, angle and the ball's y and z a little.
+
+    Returns the net and the ball's id.
     """
     a = ASSUMED
     O.reset()
@@ -111,8 +112,8 @@ class Capture:
         self.contacts, self.energy = [], []
         self.duration, self.steps = duration, int(np.ceil(duration / O.dt))
         self.every = max(1, round(SAMPLE / O.dt))
-        self.bar = tqdm(total=duration, unit="s", desc=title, leave=False, file=sys.stdout)
-        self.bar.bar_format = "{desc} {percentage:3.0f}% |{bar}| {n:.2f}/{total:.2f} s simulated"
+        form = "{desc} {percentage:3.0f}% |{bar}| {n:.2f}/{total:.2f} s simulated"
+        self.bar = tqdm(total=duration, desc=title, leave=False, bar_format=form, mininterval=0.3)
         O.trackEnergy = True
 
     def sample(self):
@@ -172,9 +173,8 @@ class Capture:
         return self.behind == 4 and self.mouth < 0.25 and not deep
 
     def report(self):
-        total = np.array(self.energy)
-        kinetic = 2 * BULLET_MASS * BULLET_SPEED**2
-        balance = np.abs(total - total[1]).max() / kinetic
+        total = np.array(self.energy[1:])  # tracked from the first step on
+        balance = np.abs(total / total[0] - 1).max()
         first = "none" if self.firstContact is None else f"{self.firstContact:.3f} s"
         step = 1e6 * self.wall / O.iter
         print(f"full deployment      {self.deployed:.3f} s, {max(self.history.area):.4f} m2")
@@ -183,7 +183,7 @@ class Capture:
         print(
             f"deepest penetration  {self.penetration:.3g} m of {ASSUMED['diameter']:g} m diameter"
         )
-        print(f"energy balance       {balance:.2e} of the bullets' kinetic energy")
+        print(f"energy balance       within {balance:.1e} of the energy at the start")
         print(
             f"bullets behind ball  {self.behind} of 4, mouth {100 * self.mouth:.0f} % of the largest"
         )
@@ -210,7 +210,7 @@ def head():
     print(f"{CONTACT_POINTS} contact points in each; E = {YOUNG:g} Pa, nu = {POISSON}")
     print(f"  bullets 4 x {BULLET_MASS} kg at {BULLET_SPEED} m/s, {BULLET_ANGLE} deg;", end=" ")
     print(f"ball of radius {BALL_RADIUS} m at {TARGET_DISTANCE} m")
-    print("  assumed, not given by the study:")
+    print(f"  assumed, not given by the study: mass = {MASS}")
     for name, value in ASSUMED.items():
         print(f"    {name} = {value:g}")
     print(flush=True)

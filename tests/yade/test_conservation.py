@@ -54,9 +54,9 @@ def test_energy_of_a_free_net(scene):
 
     coarse, total = drift(0.5)
     fine, _ = drift(0.25)
-    assert total == pytest.approx(0.5 * 4 * 0.05 * 1.5**2, rel=1e-3)
-    assert coarse < 5e-3
-    assert fine < 0.5 * coarse
+    assert total == pytest.approx(0.5 * 4 * 0.05 * 1.5**2, rel=5e-3)  # and the corners' knots
+    assert coarse < 1e-3
+    assert fine < 0.8 * coarse
 
 
 def test_energy_with_damping_and_contact_balances(scene):
@@ -75,11 +75,11 @@ def test_momentum_under_gravity(scene):
     """Falling freely, the whole gains m g t and nothing else."""
     net, target = capture(gravity=(0, 0, -9.81))
     bodies = {target: False, **{b: True for b in net.bullets}}
-    before = momenta(net.engine, bodies)[0]
-    runTo(0.05)
+    runTo(0.01)
+    before, start = momenta(net.engine, bodies)[0], O.time
+    runTo(0.06)
     gained = momenta(net.engine, bodies)[0] - before
     mass = net.mass + 4 * 0.05 + 0.3
-    late = 0.5 * O.dt  # velocities are those of the half step
     assert np.abs(gained[:2]).max() < 1e-9
-    assert gained[2] == pytest.approx(-mass * 9.81 * (O.time - late), rel=1e-6)
+    assert gained[2] == pytest.approx(-mass * 9.81 * (O.time - start), rel=1e-6)
     assert array(net.knots).shape == (9, 3)

@@ -25,7 +25,9 @@ GRAVITY = 9.81
 
 
 def restitution(speed, alpha):
-    """Hunt-Crossley: g(v) = g(-e v), g(u) = a u - ln(1 + a u), a = 1.5 alpha; whatever mass, k and n."""
+    """Hunt-Crossley: g(v) = g(-e v), g(u) = a u - ln(1 + a u), a = 1.5 alpha; whatever mass, k and
+    n.
+    """
     a = 1.5 * alpha
 
     def g(u):
@@ -81,29 +83,29 @@ def test_sliding_sphere_comes_to_rest(scene):
     assert abs(state.vel[0]) < 1e-6
 
 
-def pressedCable(speed0=0.0, force=(0, 0, 0), **values):
+def pressedCable(force=(0, 0, 0), model="ancf", **values):
     """A short straight cable on a fixed box, pressed by 0.5 N on its two knots."""
-    mat = dict(impactDamping=100.0, staticFriction=0.3, kineticFriction=0.2)
+    mat = dict(impactDamping=0.5, staticFriction=0.3, kineticFriction=0.2)
     material("cable", **{**mat, **values})
-    plane((0, 0, -0.1), (1, 1, 0.1), material="cable")
-    k = hertz(5e-4, 4.456e8, 0.3, 4.456e8, 0.3)
-    depth = (0.17 / k) ** (2 / 3)
+    soft = material("soft", **{**mat, **values, "young": 5e6})  # so that dt = 2e-5 is stable
+    plane((0, 0, -0.1), (1, 1, 0.1), material=soft)
+    k = hertz(5e-4, 4.456e8, 0.3, 5e6, 0.3)
+    depth = (0.1 / k) ** (2 / 3)
     z = 5e-4 - depth
     cable = ancf.Cable(
-        [(0, 0, z), (0.04, 0, z)], diameter=1e-3, material="cable", contactPoints=3, damping=2e-5
+        [(0, 0, z), (0.04, 0, z)], diameter=1e-3, material="cable", model=model, mass="lumped"
     )
     for knot in (0, 1):
         cable.load(knot, (force[0] / 2, force[1] / 2, -0.25))
-    if speed0:
-        cable.setVelocity(lambda p: Vector3(speed0, 0, 0))
     O.engines = ancf.engines(cable)
     return cable
 
 
-@pytest.mark.parametrize("along", [(0.05, 0, 0), (0, 0.05, 0)])
-def test_cable_point_creeps_as_hollars_says(scene, along):
+@pytest.mark.parametrize("model, along", [("ancf", (0.05, 0, 0)), ("springs", (0, 0.05, 0))])
+def test_cable_point_creeps_as_hollars_says(scene, model, along):
+    """All points creep alike: along an ANCF cable, or across the two points of a spring."""
     v0 = 1e-3
-    cable = pressedCable(force=along, transitionVelocity=v0)
+    cable = pressedCable(along, model, transitionVelocity=v0)
     O.dt = 2e-5
     exact = brentq(lambda v: 0.5 * hollars(v, 0.3, 0.2, v0) - 0.05, 0, v0)
     assert exact == pytest.approx(2.58e-4, rel=2e-2)  # REFERENCE of a prototype, only to be sure
@@ -152,7 +154,6 @@ def test_spinning_box_drags_a_cable(scene):
         [(0.09, 0, 4.99e-4), (0.11, 0, 4.99e-4)], diameter=1e-3, material="cable", damping=2e-5
     )
     O.engines = ancf.engines(cable, gravity=(0, 0, -GRAVITY))
-    O.dt = 2e-5
     runTo(0.03)
     early = array(cable.velocity(0.5))
     assert early[1] == pytest.approx(0.2 * GRAVITY * 0.03, rel=0.1)  # slipping: mu_k g t
@@ -163,30 +164,22 @@ def test_spinning_box_drags_a_cable(scene):
 
 
 def test_cable_over_two_spheres_rests(scene):
-    material(
-        "m", young=1e7, density=1000, impactDamping=1.0, staticFriction=0.5, kineticFriction=0.5
-    )
-    spheres = [ball((x, 0, 0), 0.05, material="m") for x in (-0.1, 0.1)]
-    z = 0.05 + 2e-3
-    cable = ancf.Cable(
-        [(-0.25, 0, z), (0.25, 0, z)],
-        elements=24,
-        diameter=4e-3,
-        material="m",
-        contactPoints=3,
-        damping=1e-3,
-    )
+    friction = dict(staticFriction=0.5, kineticFriction=0.5)
+    material("m", young=1e7, density=1000, impactDamping=1.0, **friction)
+    spheres = [ball((x, 0, 0), 0.04, material="m") for x in (-0.12, 0.12)]
+    ends = [(-0.3, 0, 0.041), (0.3, 0, 0.041)]
+    cable = ancf.Cable(ends, 20, diameter=2e-3, material="m", mass="lumped", damping=2e-5)
     O.engines = ancf.engines(cable, gravity=(0, 0, -GRAVITY))
     engine = cable.engine
-    for _ in range(40):  # takes the swing out
-        runTo(O.time + 0.02)
+    for _ in range(60):  # takes the swing out
+        runTo(O.time + 0.08)
         engine.velocity = [0.0] * len(engine.velocity)
-    runTo(O.time + 0.3)
+    runTo(O.time + 0.1)
     weight = cable.mass * GRAVITY
-    speeds = [cable.velocity(s).norm() for s in np.linspace(0, 1, 25)]
+    speeds = [cable.velocity(s).norm() for s in np.linspace(0, 1, 21)]
     force = sum((array(O.forces.f(i)) for i in spheres), np.zeros(3))
     assert max(speeds) < 0.02
-    assert cable.point(0)[2] < 0 and cable.point(1)[2] < 0  # the ends hang
-    assert cable.point(0.5)[2] < 0.05
+    assert max(cable.point(0)[2], cable.point(1)[2]) < -0.02  # the ends hang
+    assert cable.point(0.5)[2] < 0.03  # and the middle sags
     assert force[2] == pytest.approx(-weight, rel=1e-2)
     assert np.abs(force[:2]).max() < 1e-2 * weight
