@@ -19,7 +19,9 @@ def run(code, tmp_path, program=YADE):
     script.write_text(textwrap.dedent(code))
     env = dict(os.environ)
     env.setdefault("PYTHONPATH", str(ROOT / "build" / "python"))
-    done = subprocess.run([*program, str(script)], env=env, capture_output=True, text=True, timeout=120, cwd=tmp_path)
+    done = subprocess.run(
+        [*program, str(script)], env=env, capture_output=True, text=True, timeout=120, cwd=tmp_path
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
@@ -95,7 +97,10 @@ def test_layout_check_passes_and_fails_by_name(tmp_path):
     "before, named",
     [
         ("from yade import config; config.version = '2020.01a'", ["2020.01a", "2023.02a"]),
-        ("from yade import config; config.highPrecisionBits = 80", ["highPrecisionBits", "80", "64"]),
+        (
+            "from yade import config; config.highPrecisionBits = 80",
+            ["highPrecisionBits", "80", "64"],
+        ),
         ("from yade import config; config.features.remove('MPI')", ["MPI"]),
         ("from yade import config; config.features.remove('OPENMP')", ["OPENMP"]),
         ("from yade import config; config.features.remove('FEMLIKE')", ["FEMLIKE"]),
@@ -209,12 +214,16 @@ def test_dispatch_hierarchy_and_documentation(tmp_path):
 def test_no_class_of_yade_is_defined_twice():
     """Its vtable and typeinfo stay in YADE's libraries."""
     library = ROOT / "build" / "python" / "ancf" / "_ancf.so"
-    symbols = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
+    symbols = subprocess.run(
+        ["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True
+    ).stdout
     names = [line.split()[-1] for line in symbols.splitlines()]
     libraries = "/usr/lib/x86_64-linux-gnu/yade-double"
     theirs = set()
     for name in ("libyade.so", "libpkg_common.so", "libpkg_dem.so"):
-        out = subprocess.run(["nm", "-D", "--defined-only", f"{libraries}/{name}"], capture_output=True, text=True).stdout
+        out = subprocess.run(
+            ["nm", "-D", "--defined-only", f"{libraries}/{name}"], capture_output=True, text=True
+        ).stdout
         theirs.update(line.split()[-1] for line in out.splitlines())
     doubled = [n for n in names if n.startswith(("_ZTVN4yade", "_ZTIN4yade")) and n in theirs]
     assert not doubled

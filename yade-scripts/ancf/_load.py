@@ -39,7 +39,12 @@ def _require(good, what, found, needed):
 
 def _checkPython():
     _require(sys.version_info[:2] == NEEDED_PYTHON, "Python", platform.python_version(), "3.11")
-    _require(platform.machine() == NEEDED_MACHINE, "a machine of type", platform.machine(), NEEDED_MACHINE)
+    _require(
+        platform.machine() == NEEDED_MACHINE,
+        "a machine of type",
+        platform.machine(),
+        NEEDED_MACHINE,
+    )
 
 
 def _importYade():
@@ -54,7 +59,9 @@ def _importYade():
     try:
         import yade
     except ImportError as e:
-        raise ImportError(f"ancf needs YADE {NEEDED_VERSION} (Debian 12: apt install yade): {e}") from e
+        raise ImportError(
+            f"ancf needs YADE {NEEDED_VERSION} (Debian 12: apt install yade): {e}"
+        ) from e
     return yade
 
 
@@ -63,7 +70,12 @@ def _checkYade(config):
     bits = config.highPrecisionBits
     _require(bits == NEEDED_BITS, "a YADE with highPrecisionBits", bits, NEEDED_BITS)
     for feature in NEEDED_FEATURES:
-        _require(feature in config.features, "a YADE with the feature", " ".join(config.features), feature)
+        _require(
+            feature in config.features,
+            "a YADE with the feature",
+            " ".join(config.features),
+            feature,
+        )
 
 
 def _refreshDispatchers(engines):
