@@ -7,9 +7,11 @@
 #include <string.h>
 
 // Unknowns that share a slope, or have no mass, are numbered once or not at all: `row` maps a block's place to its row
-// of the matrix. A diagonal matrix is kept as its inverse, another as L L^T in an order that keeps L sparse.
+// of the matrix. A diagonal matrix is kept as its inverse, another as L L^T in an order that keeps L sparse. Where
+// every element keeps both slopes to itself, as in a net, they are eliminated exactly element by element, in lanes, and
+// only the nodes' matrix is left, which is inverted outright if it is small.
 struct ancf_mass {
-    bool diagonal;
+    bool diagonal, condensed;
     bool held;          // something is held that has mass
     double* inverse;    // (stride) 1/M, 0 where held or massless; diagonal only
     double* added;      // (n_nodes) [kg]
@@ -17,8 +19,15 @@ struct ancf_mass {
     int n;              // rows
     int *begin, *index; // columns of L below the diagonal, each sorted
     double *value, *pivot;
-    double (*rhs)[4]; // (n) right-hand sides x, y, z side by side
+    double (*rhs)[4];   // (n) right-hand sides x, y, z side by side
+    double* slope_flex; // (n_elements) 60/(m L^2), condensed only
+    double* push;       // (6 x n_elements) what the slopes' forces do to the nodes
+    int lanes;          // n rounded up, 0: the nodes' matrix is not inverted
+    double* full;       // (lanes x lanes) its inverse
+    double* load;       // (6 x lanes) forces and accelerations of the nodes
 };
+
+enum { INVERT_UP_TO = 96, LANES = 8 };
 
 void ancf_mass_element(double M[4][4], const ancf_element* el) {
     const double L = el->length, m = el->rho_a * L;
@@ -83,6 +92,24 @@ static void add_entry(cholmod_triplet* t, int i, int j, double value) {
     ((double*)t->x)[t->nnz++] = value;
 }
 
+// Exact mass of an element's nodes once its slopes are eliminated, m [1/15 1/60; 1/60 1/15].
+static void condensed_element(double M[2][2], const ancf_element* el) {
+    const double mass = el->rho_a * el->length;
+    M[0][0] = M[1][1] = mass / 15.0;
+    M[0][1] = M[1][0] = mass / 60.0;
+}
+
+static void assemble_condensed(cholmod_triplet* t, const ancf_model* m) {
+    const int* row = m->mass->row;
+    for (int e = 0; e < m->n_elements; ++e) {
+        double M[2][2];
+        condensed_element(M, &m->element[e]);
+        for (int i = 0; i < 2; ++i)
+            for (int j = 0; j < 2; ++j) add_entry(t, row[m->ends[2 * e + i]], row[m->ends[2 * e + j]], M[i][j]);
+    }
+    for (int i = 0; i < m->n_nodes; ++i) add_entry(t, row[i], row[i], m->mass->added[i]);
+}
+
 static void assemble(cholmod_triplet* t, const ancf_model* m) {
     const int* row = m->mass->row;
     for (int e = 0; e < m->n_elements; ++e) {
@@ -140,7 +167,8 @@ static ancf_error factorise(ancf_model* m) {
     cholmod_sparse* A = NULL;
     cholmod_factor* L = NULL;
     if (t) {
-        assemble(t, m);
+        if (mass->condensed) assemble_condensed(t, m);
+        else assemble(t, m);
         A = cholmod_triplet_to_sparse(t, entries, &common);
     }
     if (A) L = cholmod_analyze(A, &common);
@@ -154,13 +182,57 @@ static ancf_error factorise(ancf_model* m) {
     return error;
 }
 
+// Every element exact, with two free slopes of its own.
+static bool can_condense(const ancf_model* m) {
+    if (m->n_shared > 0) return false;
+    for (int e = 0; e < m->n_elements; ++e)
+        if (m->element[e].kind & (ANCF_LUMPED | ANCF_SPRING)) return false;
+    for (int i = m->n_nodes; i < m->n_dof; ++i)
+        if (m->hold[i]) return false;
+    return true;
+}
+
+// Leaves rows to the nodes alone.
+static void condense(ancf_model* m) {
+    ancf_mass* mass = m->mass;
+    mass->n = 0;
+    for (int i = 0; i < m->n_nodes; ++i)
+        if (mass->row[i] >= 0) mass->row[i] = mass->n++;
+    for (int i = m->n_nodes; i < m->n_dof; ++i) mass->row[i] = -1;
+    for (int e = 0; e < m->n_elements; ++e) {
+        const ancf_element* el = &m->element[e];
+        mass->slope_flex[e] = 60.0 / (el->rho_a * el->length * el->length * el->length);
+    }
+}
+
+static void solve_factor(const ancf_mass* mass);
+
+// The inverse of a small matrix, column by column.
+static ancf_error invert(ancf_mass* mass) {
+    if (mass->n > INVERT_UP_TO) return ANCF_OK;
+    mass->lanes = (mass->n + LANES - 1) / LANES * LANES;
+    mass->full = calloc((size_t)(mass->lanes * mass->lanes), sizeof *mass->full);
+    mass->load = calloc(6 * (size_t)mass->lanes, sizeof *mass->load);
+    if (!mass->full || !mass->load) return ANCF_E_MEMORY;
+    for (int j = 0; j < mass->n; ++j) {
+        memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
+        mass->rhs[j][0] = 1.0;
+        solve_factor(mass);
+        for (int i = 0; i < mass->n; ++i) mass->full[j * mass->lanes + i] = mass->rhs[i][0];
+    }
+    memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
+    return ANCF_OK;
+}
+
 ancf_error ancf_mass_create(ancf_model* m, const double* added) {
     ancf_mass* mass = m->mass = calloc(1, sizeof *mass);
     if (!mass) return ANCF_E_MEMORY;
     mass->inverse = calloc((size_t)m->stride, sizeof *mass->inverse);
     mass->added = calloc((size_t)m->n_nodes, sizeof *mass->added);
     mass->row = calloc((size_t)m->stride, sizeof *mass->row);
-    if (!mass->inverse || !mass->added || !mass->row) return ANCF_E_MEMORY;
+    mass->slope_flex = calloc((size_t)m->n_elements, sizeof *mass->slope_flex);
+    mass->push = calloc(6 * (size_t)m->n_elements, sizeof *mass->push);
+    if (!mass->inverse || !mass->added || !mass->row || !mass->slope_flex || !mass->push) return ANCF_E_MEMORY;
     if (added) memcpy(mass->added, added, (size_t)m->n_nodes * sizeof *added);
 
     double* diagonal = m->work;
@@ -175,7 +247,12 @@ ancf_error ancf_mass_create(ancf_model* m, const double* added) {
         if (m->hold[i] && diagonal[i] > 0.0) mass->held = true;
     }
     memset(diagonal, 0, (size_t)m->stride * sizeof *diagonal);
-    return mass->diagonal || mass->n == 0 ? ANCF_OK : factorise(m);
+    if (mass->diagonal) return ANCF_OK;
+    mass->condensed = can_condense(m);
+    if (mass->condensed) condense(m);
+    if (mass->n == 0) return ANCF_OK;
+    const ancf_error error = factorise(m);
+    return error || !mass->condensed ? error : invert(mass);
 }
 
 void ancf_mass_destroy(ancf_mass* mass) {
@@ -188,6 +265,10 @@ void ancf_mass_destroy(ancf_mass* mass) {
     free(mass->value);
     free(mass->pivot);
     free(mass->rhs);
+    free(mass->slope_flex);
+    free(mass->push);
+    free(mass->full);
+    free(mass->load);
     free(mass);
 }
 
@@ -256,8 +337,105 @@ static void solve_consistent(const ancf_model* m, double* acceleration, const do
     }
 }
 
+// Forces of the slopes, passed on to the nodes: -T^T f with T = (1/L) [7 -2; 2 -7].
+ANCF_CLONES static void push_nodes(const ancf_model* m, const double* force) {
+    const int n = m->n_elements;
+    for (int c = 0; c < 3; ++c) {
+        const double *f0 = force + c * m->stride + m->n_nodes, *f1 = f0 + n;
+        double *p0 = m->mass->push + 2 * c * n, *p1 = p0 + n;
+#pragma GCC ivdep
+        for (int e = 0; e < n; ++e) {
+            p0[e] = -m->inv_length[e] * (7.0 * f0[e] + 2.0 * f1[e]);
+            p1[e] = m->inv_length[e] * (2.0 * f0[e] + 7.0 * f1[e]);
+        }
+    }
+}
+
+// Slopes from their forces and the nodes' accelerations: M_ss^-1 f - T a, M_ss^-1 = (60/(m L^2)) [4 3; 3 4].
+ANCF_CLONES static void slopes_follow(const ancf_model* m, double* acceleration, const double* force) {
+    const int n = m->n_elements;
+    for (int c = 0; c < 3; ++c) {
+        const double *f0 = force + c * m->stride + m->n_nodes, *f1 = f0 + n, *flex = m->mass->slope_flex;
+        const double *r0 = m->mass->push + 2 * c * n, *r1 = r0 + n;
+        double *a0 = acceleration + c * m->stride + m->n_nodes, *a1 = a0 + n;
+#pragma GCC ivdep
+        for (int e = 0; e < n; ++e) {
+            a0[e] = flex[e] * (4.0 * f0[e] + 3.0 * f1[e]) - m->inv_length[e] * (7.0 * r0[e] - 2.0 * r1[e]);
+            a1[e] = flex[e] * (3.0 * f0[e] + 4.0 * f1[e]) - m->inv_length[e] * (2.0 * r0[e] - 7.0 * r1[e]);
+        }
+    }
+}
+
+// y = A x for three right-hand sides, four columns at a time, so that sums go to memory a quarter as often.
+ANCF_CLONES static void multiply_full(double* restrict y, const double* restrict A, const double* restrict x,
+                                      int lanes) {
+    memset(y, 0, 3 * (size_t)lanes * sizeof *y);
+    for (int j = 0; j < lanes; j += 4)
+        for (int c = 0; c < 3; ++c) {
+            const double *a = A + j * lanes, *xc = x + c * lanes + j;
+            double* yc = y + c * lanes;
+            for (int i = 0; i < lanes; ++i)
+                yc[i] += (a[i] * xc[0] + a[lanes + i] * xc[1]) + (a[2 * lanes + i] * xc[2] + a[3 * lanes + i] * xc[3]);
+        }
+}
+
+static void solve_nodes(const ancf_mass* mass) {
+    if (!mass->lanes) {
+        solve_factor(mass);
+        return;
+    }
+    double *x = mass->load, *y = x + 3 * mass->lanes;
+    for (int i = 0; i < mass->n; ++i)
+        for (int c = 0; c < 3; ++c) x[c * mass->lanes + i] = mass->rhs[i][c];
+    multiply_full(y, mass->full, x, mass->lanes);
+    for (int i = 0; i < mass->n; ++i)
+        for (int c = 0; c < 3; ++c) mass->rhs[i][c] = y[c * mass->lanes + i];
+}
+
+// Held nodes push on the others through the condensed matrix.
+static void subtract_held_nodes(const ancf_model* m, const double* acceleration) {
+    const ancf_mass* mass = m->mass;
+    for (int e = 0; e < m->n_elements; ++e) {
+        const int* end = m->ends + 2 * e;
+        if (!m->hold[end[0]] && !m->hold[end[1]]) continue;
+        double M[2][2];
+        condensed_element(M, &m->element[e]);
+        for (int i = 0; i < 2; ++i)
+            for (int j = 0; j < 2; ++j)
+                if (m->hold[end[j]] && mass->row[end[i]] >= 0)
+                    for (int c = 0; c < 3; ++c)
+                        mass->rhs[mass->row[end[i]]][c] -= M[i][j] * acceleration[c * m->stride + end[j]];
+    }
+}
+
+static void solve_condensed(const ancf_model* m, double* acceleration, const double* force) {
+    const ancf_mass* mass = m->mass;
+    const int n = m->n_elements, s = m->stride;
+    push_nodes(m, force);
+    for (int i = 0; i < m->n_nodes; ++i) {
+        const int r = mass->row[i];
+        if (r < 0) continue;
+        for (int c = 0; c < 3; ++c) {
+            double sum = force[c * s + i];
+            for (int k = m->first[i]; k < m->first[i + 1]; ++k)
+                sum += mass->push[(2 * c + (m->at[k] & 1)) * n + (m->at[k] >> 1)];
+            mass->rhs[r][c] = sum;
+        }
+    }
+    if (mass->held) subtract_held_nodes(m, acceleration);
+    if (mass->n > 0) solve_nodes(mass);
+    for (int i = 0; i < m->n_nodes; ++i)
+        if (mass->row[i] >= 0)
+            for (int c = 0; c < 3; ++c) acceleration[c * s + i] = mass->rhs[mass->row[i]][c];
+    for (int c = 0; c < 3; ++c)
+        for (int e = 0; e < n; ++e)
+            for (int k = 0; k < 2; ++k) mass->push[(2 * c + k) * n + e] = acceleration[c * s + m->ends[2 * e + k]];
+    slopes_follow(m, acceleration, force);
+}
+
 void ancf_mass_solve(const ancf_model* m, double* acceleration, const double* force) {
     if (m->mass->diagonal) solve_diagonal(m, acceleration, force);
+    else if (m->mass->condensed) solve_condensed(m, acceleration, force);
     else if (m->mass->n > 0) solve_consistent(m, acceleration, force);
 }
 
