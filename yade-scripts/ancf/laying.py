@@ -36,7 +36,7 @@ def tangents(p, closed):
     mirrored on the chord. Points on a straight line or on a circle so get the exact tangents.
     """
     n = len(p)
-    chord = np.roll(p, -1, axis=0) - p  # the last one closes the polygon
+    chord = np.diff(p, axis=0, append=p[:1] if closed else 2 * p[-1:] - p[-2:-1])
     u, l = unit(chord), np.linalg.norm(chord, axis=1)
     t = np.empty_like(p)
     for i in range(n) if closed else range(1, n - 1):
