@@ -150,7 +150,8 @@ class BuiltIn:
         r = self.cable["radius"]
         ids = [O.bodies.append(gridpfacet.gridNode(p, r, material="cable")) for p in self.points]
         for a, b in self.pairs:
-            O.bodies.append(gridpfacet.gridConnection(ids[a], ids[b], r, material="outside"))
+            link = gridpfacet.gridConnection(ids[a], ids[b], r, material="outside", mask=3)
+            O.bodies.append(link)
         self.links = [O.interactions[ids[a], ids[b]] for a, b in self.pairs]
         return ids
 
@@ -535,13 +536,17 @@ def dropBuiltIn(kind, parts, shape="ball", duration=FALL):
     onTarget(shape)
     loop = O.engines[1]
     loop.geomDispatcher.functors += [wrapper.Ig2_Box_Sphere_ScGeom()]
+    if kind == "grid":  # else YADE ends at the first contact of a box
+        loop.lawDispatcher.functors += [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]
     if kind == "spheres":
         loop.geomDispatcher.functors = [
             wrapper.Ig2_Sphere_Sphere_ScGeom6D(),
             wrapper.Ig2_Box_Sphere_ScGeom6D(),
         ]
     bounds = [wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Box_Aabb(), wrapper.Bo1_GridConnection_Aabb()]
-    collider = wrapper.InsertionSortCollider(bounds, verletDist=0.25 * MESH / parts)
+    collider = wrapper.InsertionSortCollider(
+        bounds, verletDist=0.25 * MESH / parts, avoidSelfInteractionMask=2
+    )
     O.engines = [O.engines[0], collider, *O.engines[1:]]
     ends = np.array(chain.pairs)
     at = np.linspace(0, 1, 9)[:, None, None]

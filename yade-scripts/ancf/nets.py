@@ -53,6 +53,7 @@ class Net(Structure):
         super().__init__(label, sec, layout, contactPoints, selfContact, mask)
         self.rim = [self.knot(k) for k in rim]
         self.corners = []  # knots that addBullets shoots
+        self.folded = False  # whether it was laid folded
         self.bullets = []  # ids of the bullets in O.bodies
         self._normal = None
         self._bulletsLater = None
@@ -103,6 +104,7 @@ class Net(Structure):
         edges += [(n * i + j, n * i + j + n) for i in range(n - 1) for j in range(n)]
         net = cls(points, edges, elements, rim=_squareRim(n), **cable)
         net.corners = [0, n - 1, n * n - 1, n * (n - 1)]
+        net.folded = fold is not None
         net._normal = normal
         return net
 

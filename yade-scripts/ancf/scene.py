@@ -3,6 +3,7 @@
 import itertools
 import warnings
 
+import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
@@ -58,6 +59,9 @@ def engines(
     cable = _appendAll(structures)
     for engine in cable:
         engine.integrator, engine.substeps = integrator, steps
+    for structure in structures:
+        if getattr(structure, "folded", False) and O.iter == 0:
+            _checkFolded(structure)
     speed = fastest() if speed is None else values.positive("engines: speed", speed, "m/s")
     O.dt = timeStep(cable, speed)
     return [
@@ -160,6 +164,73 @@ def check():
         if isinstance(body.material, wrapper.HollarsMat):
             checkMaterial(body.material)
     _checkFunctors()
+    if O.iter == 0:
+        _checkInside()
+
+
+def _checkFolded(net):
+    """Refuses a body that lies in the folded net and does not belong to it."""
+    low, high = net.knots.min(axis=0) - net.radius, net.knots.max(axis=0) + net.radius
+    own = {number for _, number in net._attached}
+    for body in _solids():
+        reach = _halfSize(body)
+        center = np.array(list(body.state.pos))
+        if body.id not in own and (center + reach > low).all() and (center - reach < high).all():
+            raise ValueError(
+                f"{net.name}: {_name(body)} at {tuple(center)} reaches into the folded net, which would "
+                "unfold inside it: put it farther away, or lay the net flat around it (fold=None)"
+            )
+
+
+def _solids():
+    """Spheres and boxes that are no part of a cable."""
+    solid = (wrapper.Sphere, wrapper.Box)
+    return [b for b in O.bodies if isinstance(b.shape, solid) and not _isPoint(b)]
+
+
+def _isPoint(body):
+    return isinstance(body.shape, wrapper.CablePoint)
+
+
+def _halfSize(body):
+    """Half the sides of a body's bounding box (3) [m]."""
+    if isinstance(body.shape, wrapper.Sphere):
+        return np.full(3, body.shape.radius)
+    turn = body.state.ori.toRotationMatrix()
+    turn = np.array([[turn[i, j] for j in range(3)] for i in range(3)])
+    return np.abs(turn) @ np.array(list(body.shape.extents))
+
+
+def _checkInside():
+    """Refuses contact points whose centres are in a sphere or box that they can touch."""
+    points = [b for b in O.bodies if _isPoint(b)]
+    if not points:
+        return
+    at = np.array([list(b.state.pos) for b in points])
+    for body in _solids():
+        local = at - np.array(list(body.state.pos))
+        near = np.flatnonzero((np.abs(local) < _halfSize(body)).all(axis=1))
+        for k in near:
+            if (
+                _inside(body, local[k])
+                and _canMeet(body, points[k])
+                and not _excluded(points[k], body)
+            ):
+                raise ValueError(
+                    f"{_name(body)}: the axis of a cable, contact point {points[k].id} at {tuple(at[k])}, is "
+                    "inside it: move one of them, or separate them by groupMask"
+                )
+
+
+def _inside(body, local):
+    if isinstance(body.shape, wrapper.Sphere):
+        return np.linalg.norm(local) < body.shape.radius
+    turned = body.state.ori.conjugate() * Vector3(*local)
+    return all(abs(turned[i]) < body.shape.extents[i] for i in range(3))
+
+
+def _excluded(point, body):
+    return body.id in point.shape.exclude
 
 
 def _place(kind):

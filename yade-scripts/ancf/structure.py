@@ -256,6 +256,7 @@ class Structure:
         self._layout = layout
         self.spans = [Span(self, run) for run in layout.runs]
         self._contactPoints = values.count(f"{name}.contactPoints", contactPoints, 0)
+        self._checkSpacing()
         self._engine = None  # engine() looks it up again after O.load
         self._family = None
         self._first = (0, 0)  # numbers of our first node and element in the engine
@@ -264,6 +265,23 @@ class Structure:
         self._velocity = None  # (nodes (n, 3), slopes (2 E, 3)) at the start
         self._attached = []  # (knot, body id) carried or followed
         self._ties = []  # (structure, knot, structure, knot) to be made once both are in an engine
+
+    def _checkSpacing(self):
+        """Warns of more contact points than fit side by side."""
+        if self._contactPoints == 0:
+            return
+        springs = self.section.kind & SPRING
+        parts, what = (1, "midPoints") if springs else (self._contactPoints + 1, "contactPoints")
+        shortest = min(self._layout.length)
+        if shortest / parts < (1 - 1e-9) * self.section.diameter:
+            fit = max(0, int(shortest / self.section.diameter + 1e-9) - 1)
+            remedy = "take fewer midPoints" if springs else f"{fit} fit inside each element"
+            warnings.warn(
+                f"{self.name}.{what}: contact points {shortest / parts:g} m apart overlap, the cable "
+                f"is {self.section.diameter:g} m thick; {remedy}. They never push each other, but "
+                "more of them press on what they touch than there is room for",
+                stacklevel=4,
+            )
 
     # ---- sizes -----------------------------------------------------------------------------------
 
