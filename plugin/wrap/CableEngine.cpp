@@ -873,7 +873,7 @@ void CableEngine::trackEnergy() {
 }
 
 void CableEngine::action() {
-    if (!model) build();
+    if (!model || !pairsChecked) build(); // engines that drive bodies may have come since
     if (!pairsChecked) checkPairs();
     pairsChecked = true;
     if (pointOfBody.size() != scene->bodies->size()) mapBodies();

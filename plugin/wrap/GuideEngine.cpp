@@ -16,8 +16,7 @@ namespace {
     enum { sliding = 0, byFriction = 1, atUpper = 2, atLower = -2 };
 
     Vector3r forceOnBody(Scene& scene, Body::id_t id) {
-        if (scene.forces.synced && !scene.forces.getPermForceUsed()) return Vector3r::Zero();
-        scene.forces.sync();
+        if (!scene.forces.synced) scene.forces.sync();
         return scene.forces.getForce(id);
     }
 } // namespace

@@ -17,9 +17,7 @@ namespace {
     enum { numbers, speedScript, torqueScript };
 
     void forceOnBody(Scene& scene, Body::id_t id, Vector3r& force, Vector3r& torque) {
-        force = torque = Vector3r::Zero();
-        if (scene.forces.synced && !scene.forces.getPermForceUsed()) return;
-        scene.forces.sync();
+        if (!scene.forces.synced) scene.forces.sync();
         force = scene.forces.getForce(id);
         torque = scene.forces.getTorque(id);
     }

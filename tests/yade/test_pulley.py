@@ -40,7 +40,16 @@ D, R = 2e-3, 0.05  # of the cable, of its centreline on the sheave [m]
 
 
 def onSheave(
-    theta, mu, axis=(0, 1, 0), elementAngle=15.0, points=2, load=1.0, profile=None, span=3, **more
+    theta,
+    mu,
+    axis=(0, 1, 0),
+    elementAngle=15.0,
+    points=2,
+    load=1.0,
+    profile=None,
+    span=3,
+    damping=2e-5,
+    **more,
 ):
     """A cable that wraps a sheave by theta [deg], knot 0 pulled by `load`; (cable, sheave, span)."""
     O.reset()
@@ -52,6 +61,8 @@ def onSheave(
     k = int(np.argmax(abs(a)))
     e1 = np.zeros(3)
     e1[(k + 1) % 3] = 1
+    e1 -= e1 @ a * a
+    e1 /= np.linalg.norm(e1)
     e2 = np.cross(a, e1)
     angle, length = math.radians(theta), span * R * math.radians(elementAngle)
     u = -math.sin(angle) * e1 + math.cos(angle) * e2
@@ -67,7 +78,7 @@ def onSheave(
         material="cable",
         bending=0.0,
         contactPoints=points,
-        damping=2e-5,
+        damping=damping,
         mass="lumped",
         tension=lambda s: pull(min(max(s - length, 0) / R, angle)),
     )
@@ -137,7 +148,13 @@ def test_moving_cable(scene):
     speed, mu, load, rhoA = 2.0, 0.3, 2.0, 0.1
     hoop = rhoA * speed**2
     cable, sheave, path, u = onSheave(
-        90, mu, load=load, span=16, profile=lambda phi: hoop + (load - hoop) * math.exp(mu * phi)
+        90,
+        mu,
+        load=load,
+        span=24,
+        elementAngle=10.0,
+        damping=4e-6,
+        profile=lambda phi: hoop + (load - hoop) * math.exp(mu * phi),
     )
     cable.setVelocity(path.flow(speed))
     hand = utils.sphere(Vector3(*cable.knots[-1]), 0.01, mask=0)
@@ -151,7 +168,7 @@ def test_moving_cable(scene):
     O.engines = pulleys.engines(cable, engine, guide, contact=LINEAR, substeps=1)
     O.dt = 0.8 * cable.criticalTimeStep()
     rows = record(20, lambda: cable.reaction(-1).norm())
-    run(0.06)
+    run(0.05)
     ratio = (np.mean(rows[len(rows) // 3 :]) - hoop) / (load - hoop)
     assert ratio == pytest.approx(math.exp(mu * math.pi / 2), rel=0.01)
 
@@ -190,16 +207,16 @@ def test_atwood(scene):
     )
     span = 0.2
     path = pulleys.Path(
-        [(sheave, 1)], diameter=D, start=(-radius, 0, -span), end=(radius, 0, -span)
-    )
+        [(sheave, 1)], diameter=D, start=(-radius, 0, -span), end=(radius, 0, -span), gap=-0.94e-5
+    )  # as deep as the contacts carry it
     cable = pulleys.lay(
         path,
-        round(path.length / (radius * math.radians(22.5))),
+        round(path.length / (radius * math.radians(15))),
         diameter=D,
         material="cable",
         bending=0.0,
-        contactPoints=1,
-        damping=2e-6,
+        contactPoints=2,
+        damping=5e-7,
         mass="lumped",
         tension=lambda s: t1 + (t2 - t1) * min(max((s - span) / (math.pi * radius), 0), 1),
     )
@@ -228,7 +245,7 @@ def test_atwood(scene):
         )
 
     rows = record(10, read)
-    run(0.12)
+    run(0.15)
     t, *speeds, momentum, torque = np.array(rows).T
     assert [np.polyfit(t, v, 1)[0] for v in speeds] == pytest.approx([a] * 3, rel=5e-3)
     rate = np.diff(momentum) / np.diff(t)
@@ -264,7 +281,7 @@ def belt(
         material="cable",
         bending=0.0,
         contactPoints=2,
-        damping=5e-5,
+        damping=5e-6,
         mass="lumped",
         tension=pretension,
     )
@@ -304,13 +321,309 @@ def test_belt_slips_by_eytelwein(scene):
 def test_belt_creep(scene):
     """Total creep tends to v (T1 - T2)/EA as v_t0 falls."""
     errors = []
-    for v0 in (1e-3, 1e-4):
+    for v0 in (1e-3, 1e-5):
         O.reset()
         cable, ids, engine, _ = belt(5e3, v0, dict(speed=2.0 / R), dict(torque=-0.3))
         rows = record(25, lambda: (*spanTensions(cable), *engine.angle, O.time))
-        run(0.3)
+        run(0.16)
         half = np.array(rows[len(rows) // 2 :])
         upper, lower = half[:, 0].mean(), half[:, 1].mean()
         first, second = (np.polyfit(half[:, 4], half[:, k], 1)[0] * R for k in (2, 3))
-        errors.append((first - second) / (2.0 * abs(upper - lower) / 5e3) - 1)
-    assert abs(errors[1]) < 0.05 and abs(errors[1]) < abs(errors[0])
+        creep = 2.0 * abs(upper - lower) / 5e3
+        errors.append((first - second) / creep - 1)
+    assert abs(errors[1]) < 0.05 and errors[1] < errors[0], errors
+
+
+def liftOff(ei, tension, radius, length):
+    """Half of the wrap that a bending-stiff cable loses, and its shape from there: shooting.
+
+    The free part leaves the circle with its curvature and ends without moment; psi is its angle
+    against the pull. Returns (psi at the circle, points (n, 2) along and across the pull).
+    """
+
+    def shoot(psi):
+        h, state, points = length / 2000, np.array([psi, -1 / radius]), [np.zeros(2)]
+
+        def rate(y):
+            return np.array([y[1], tension / ei * math.sin(y[0])])
+
+        for _ in range(2000):
+            k1 = rate(state)
+            k2 = rate(state + h / 2 * k1)
+            k3 = rate(state + h / 2 * k2)
+            k4 = rate(state + h * k3)
+            new = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+            middle = (state[0] + new[0]) / 2
+            points.append(points[-1] + h * np.array([math.cos(middle), math.sin(middle)]))
+            state = new
+            if abs(state[0]) > 3:
+                break
+        return state[1], np.array(points)
+
+    low, high = 0.0, 1.5  # too small an angle: it bends over; too large: back
+    for _ in range(50):
+        psi = (low + high) / 2
+        if shoot(psi)[0] < 0:
+            low = psi
+        else:
+            high = psi
+    return psi, shoot(psi)[1]
+
+
+def settle(cable, time):
+    """To rest, by taking the speed out whenever kinetic energy has begun to fall."""
+    last = 0.0
+    for _ in range(round(time / 1e-3)):
+        run(1e-3)
+        kinetic = cable.energy()["kinetic"]
+        if kinetic < last:
+            cable.engine.velocity = [0.0] * len(cable.engine.velocity)
+            kinetic = 0.0
+        last = kinetic
+
+
+@pytest.mark.parametrize("stiffness", [0.05, 0.3])
+def test_bending_stiff_cable(scene, stiffness):
+    """Shape against a shooting solution; the wrap shrinks as EI grows."""
+    radius, tension, length = 0.05, 10.0, 0.14
+    ei = stiffness * tension * radius**2
+    values = dict(normalStiffness=3e6, dashpot=30.0, staticFriction=0.0, kineticFriction=0.0)
+    cableMaterial("cable", 3e4, 0.2, D, **values)
+    sheave = pulleys.sheave((0, 0, 0), radius - D / 2, width=6 * D, material="cable")
+    ends = [(-radius, 0, -length), (radius, 0, -length)]
+    path = pulleys.Path([(sheave, 1)], diameter=D, start=ends[0], end=ends[1], gap=2e-4)
+    cable = pulleys.lay(
+        path,
+        36,
+        diameter=D,
+        material="cable",
+        bending=ei,
+        contactPoints=3,
+        damping=1e-5,
+        mass="lumped",
+        tension=tension,
+    )
+    cable.load(0, (0, 0, -tension))
+    cable.load(-1, (0, 0, -tension))
+    O.engines = pulleys.engines(cable, contact=LINEAR, substeps=1)
+    O.dt = 0.8 * cable.criticalTimeStep()
+    settle(cable, 0.15)
+    psi, shape = liftOff(ei, tension, radius, length)
+    angle = math.pi / 2 - psi  # from the top, where it leaves
+    x0, z0 = radius * math.sin(angle), radius * math.cos(angle)
+    expected = np.stack([x0 + shape[:, 1], z0 - shape[:, 0]], 1)  # pull is downwards
+    curve = cable.curve(8)
+    free = curve[(curve[:, 0] > 0) & (curve[:, 2] < z0) & (curve[:, 2] > -0.5 * length)]
+    away = np.interp(-free[:, 2], -expected[:, 1], expected[:, 0]) - free[:, 0]
+    on = curve[curve[:, 2] > z0 + 0.1 * radius]
+    round_ = np.linalg.norm(on[:, [0, 2]], axis=1) - radius
+    assert np.abs(away).max() < 0.005 * radius
+    assert np.abs(round_).max() < 0.005 * radius
+    assert pulleys.wrap(cable, sheave).angle[-1] == pytest.approx(2 * angle, abs=0.15)
+
+
+def test_planar_stays_planar(scene):
+    for axis, out in (((0, 0, 1), 2), ((0, 1, 0), 1), ((1, 0, 0), 0)):
+        cable, sheave, _, _ = onSheave(180, 0.3, axis=axis)
+        cable.fix(-1)
+        turned(cable, sheave, -2.0)
+        O.run(2000, True)
+        assert np.abs(cable.curve(4)[:, out]).max() == 0
+        assert all(v == 0 for v in np.array(cable.engine.velocity).reshape(3, -1)[out])
+
+
+def test_tilted_axis_gives_the_same(scene):
+    """A sheave turned anyhow in space does as one along an axis."""
+    found = []
+    for axis in ((0, 1, 0), (0.3, -0.5, 0.8)):
+        cable, sheave, _, _ = onSheave(180, 0.3, axis=axis)
+        cable.fix(-1)
+        turned(cable, sheave, -2.0)
+        O.run(1000, True)
+        found.append(cable.reaction(-1).norm())
+    assert found[0] == pytest.approx(found[1], rel=1e-6)
+
+
+def single(sheave):
+    """Engines that turn a sheave alone; the SheaveEngine."""
+    engine = ancf.SheaveEngine()
+    O.engines = [wrapper.ForceResetter(), engine, wrapper.NewtonIntegrator(damping=0)]
+    O.dt = 1e-4
+    return engine
+
+
+def test_sheave_spins_down(scene):
+    cableMaterial("steel", 1e6, 1.0, D)
+    sheave = pulleys.sheave((0, 0, 0), 0.05, width=0.01, material="steel", inertia=1e-3)
+    O.bodies[sheave].state.angVel = Vector3(0, 10, 0)
+    engine = single(sheave)
+    engine.add(sheave, viscous=2e-3)
+    run(0.5)
+    spin = O.bodies[sheave].state.angVel
+    assert spin[1] == pytest.approx(10 * math.exp(-1), rel=1e-3)
+    assert spin[0] == spin[2] == 0
+    assert engine.loss[0] == pytest.approx(0.5e-3 * (100 - spin[1] ** 2), rel=1e-3)
+
+
+def test_dry_bearing_stops_and_holds(scene):
+    cableMaterial("steel", 1e6, 1.0, D)
+    sheave = pulleys.sheave((0, 0, 0), 0.05, width=0.01, material="steel", inertia=1e-3)
+    O.bodies[sheave].state.angVel = Vector3(0, 10, 0)
+    engine = single(sheave)
+    engine.add(sheave, dry=0.02, torque=0.01)
+    run(1.5)  # after a second it stands
+    assert engine.angle[0] == pytest.approx(100 / (2 * 10), rel=1e-3)
+    assert O.bodies[sheave].state.angVel == Vector3.Zero and engine.stuck[0] == 1
+
+
+def test_speed_and_torque_functions(scene):
+    cableMaterial("steel", 1e6, 1.0, D)
+    sheave = pulleys.sheave((0, 0, 0), 0.05, width=0.01, material="steel", inertia=1e-3)
+    engine = single(sheave)
+    engine.add(sheave, speed=pulleys.SpeedUp(3.0, 0.1).speed)
+    run(0.2)
+    assert O.bodies[sheave].state.angVel[1] == pytest.approx(3.0)
+    assert engine.angle[0] == pytest.approx(pulleys.SpeedUp(3.0, 0.1)(0.2), rel=1e-6)
+    assert engine.work[0] == pytest.approx(0.5e-3 * 9, rel=1e-3)
+    engine.setSpeed(sheave, None)
+    engine.setTorque(sheave, lambda t: 0.01)
+    run(0.1)
+    assert O.bodies[sheave].state.angVel[1] == pytest.approx(4.0, rel=2e-3)
+    engine.setTorque(sheave, lambda t: 1 / 0)
+    with pytest.raises(RuntimeError, match="division by zero"):
+        O.run(10, True)
+
+
+def test_guided_body(scene):
+    """On an incline: g (sin - mu cos), and it stays where tan is below mu; stops hold it."""
+    slope, mu = math.radians(30), 0.2
+    along = Vector3(math.cos(slope), 0, -math.sin(slope))
+    made = []
+    guide = ancf.GuideEngine()
+    for friction, upper in ((mu, 10.0), (0.7, 10.0), (mu, 0.05)):
+        body = utils.sphere((0, 0, 0), 0.01, mask=0)
+        body.state.mass = 2.0
+        made.append(O.bodies.append(body))
+        guide.add(made[-1], direction=along, friction=friction, upper=upper)
+    O.engines = [
+        wrapper.ForceResetter(),
+        guide,
+        wrapper.NewtonIntegrator(damping=0, gravity=(0, 0, -G)),
+    ]
+    O.dt = 1e-4
+    run(0.5)
+    a = G * (math.sin(slope) - mu * math.cos(slope))
+    assert guide.position(made[0]) == pytest.approx(a * 0.5**2 / 2, rel=1e-3)
+    assert guide.position(made[1]) == 0 and guide.held[1] == 1
+    assert guide.position(made[2]) == pytest.approx(0.05, rel=1e-9) and guide.held[2] == 2
+    lost = 2.0 * G * math.sin(slope) * 0.05
+    assert guide.loss[2] == pytest.approx(lost, rel=1e-2)
+
+
+def test_guided_body_on_a_cable(scene):
+    """Two weights on a cable over nothing: a guided body pulls another up through the spring that
+    the cable is; both accelerations as one mass."""
+    cableMaterial("cable", 1e4, 1e-3, D)
+    cable = ancf.Cable(
+        [(0, 0, 0), (0.5, 0, 0)], 4, diameter=D, material="cable", bending=0.0, mass="lumped"
+    )
+    guide = ancf.GuideEngine()
+    ids = []
+    for x, force in ((0, 0.0), (0.5, 3.0)):
+        body = utils.sphere((x, 0, 0), 0.01, mask=0)
+        body.state.mass = 1.0
+        ids.append(O.bodies.append(body))
+        guide.add(ids[-1], direction=(1, 0, 0))
+    cable.carry(0, ids[0])
+    cable.carry(-1, ids[1])
+    O.engines = pulleys.engines(cable, guide, substeps=1)
+    guide.push = [0.0, 3.0]
+    O.dt = 0.8 * cable.criticalTimeStep()
+    run(0.2)
+    mean = (guide.position(ids[0]) + guide.position(ids[1])) / 2
+    assert mean == pytest.approx(1.5 * 0.2**2 / 2 / (1 + 0.00025), rel=1e-3)
+    assert abs(cable.reaction(0)[0]) == pytest.approx(1.5, rel=1.1)
+
+
+def test_linear_drive_leads_a_knot(scene):
+    cableMaterial("cable", 1e4, 1e-3, D)
+    cable = ancf.Cable([(0, 0, 0), (0.5, 0, 0)], 4, diameter=D, material="cable", bending=0.0)
+    body = O.bodies.append(utils.sphere((0, 0, 0), 0.01, mask=0))
+    guide = ancf.GuideEngine()
+    ramp = pulleys.Ramp(0.02, 0.05)
+    guide.add(body, direction=(0, 0, 1), motion=ramp)
+    cable.follow(0, body)
+    O.engines = pulleys.engines(cable, guide)
+    O.dt = 1e-5
+    run(0.03)
+    assert cable.knots[0][2] == pytest.approx(ramp(O.time), abs=1e-12)
+    assert O.bodies[body].state.pos[2] == pytest.approx(ramp(O.time), abs=1e-12)
+
+
+def test_debris_rolls_over_a_sheave(scene):
+    """A ball rests in the groove of a fixed sheave."""
+    cableMaterial("steel", 1e6, 1.0, D, normalStiffness=1e5, dashpot=20.0)
+    sheave = pulleys.sheave((0, 0, 0), 0.05, axis=(1, 0, 0), width=0.03, material="steel")
+    ball = utils.sphere((0.003, 0, 0.0605), 0.01, material="steel")
+    ball = O.bodies.append(ball)
+    cable = ancf.Cable([(1, 0, 0), (1.5, 0, 0)], 2, diameter=D, material="steel")
+    cable.fix(0)
+    engine = ancf.SheaveEngine()
+    engine.add(sheave, speed=0)
+    O.engines = pulleys.engines(cable, engine, gravity=(0, 0, -G), contact=LINEAR)
+    O.dt = 1e-5
+    run(0.4)
+    pos, weight = O.bodies[ball].state.pos, O.bodies[ball].state.mass * G
+    assert abs(pos[0]) < 0.004 and pos[2] == pytest.approx(0.06, abs=1e-3)
+    assert engine.load[0][2] == pytest.approx(-weight, rel=0.05)
+
+
+def test_saved_and_loaded(scene, tmp_path):
+    cable, sheave, _, _ = onSheave(180, 0.3)
+    cable.fix(-1)
+    turned(cable, sheave, -2.0)
+    O.run(200, True)
+    O.save(str(tmp_path / "scene.xml"))
+    O.run(200, True)
+    after = cable.reaction(-1)
+    O.load(str(tmp_path / "scene.xml"))
+    O.run(200, True)
+    assert cable.reaction(-1) == after
+
+
+def refused(match, error=ValueError):
+    return pytest.raises(error, match=match)
+
+
+def test_bad_input(scene):
+    cableMaterial("cable", 1e4, 1e-2, D)
+    sheave = pulleys.sheave((0, 0, 0), 0.05, width=0.01, material="cable", inertia=0)
+    engine = ancf.SheaveEngine()
+    with refused("moment of inertia"):
+        engine.add(sheave)
+    engine.add(sheave, speed=1.0)  # led, it needs none
+    with refused("turned already"):
+        engine.add(sheave)
+    with refused("does not exist"):
+        engine.add(99)
+    with refused("friction"):
+        engine.add(0, dry=-1.0) if False else engine.__class__().add(sheave, dry=-1.0, speed=1.0)
+    with refused("profile"):
+        ancf.Sheave(profile="square")
+    with refused("radius"):
+        ancf.Sheave(radius=float("nan"))
+    with refused("ends meet"):
+        pulleys.Path([(sheave, 1)], diameter=D, start=(1, 0, 0))
+    with refused("one point"):
+        pulleys.Path([(sheave, 1)], diameter=D, start=(1, 0, 0), end=(1, 0, 0))
+    with refused("inside a sheave"):
+        pulleys.Path([(sheave, 1)], diameter=D, start=(0.01, 0, 0), end=(1, 0, 0))
+    inside = ancf.Cable([(-0.2, 0, 0.03), (0.2, 0, 0.03)], 8, diameter=D, material="cable")
+    with refused("inside sheave"):
+        pulleys.engines(inside, engine)
+    wide = ancf.Cable([(-0.2, 0, 0.062), (0.2, 0, 0.062)], 40, diameter=0.024, material="cable")
+    with refused("narrower"):
+        pulleys.engines(wide, engine)
+    coarse = ancf.Cable([(-0.2, 0, 0.0511), (0.2, 0, 0.0511)], 4, diameter=D, material="cable")
+    with pytest.warns(UserWarning, match="chord error"):
+        pulleys.engines(coarse, engine)
