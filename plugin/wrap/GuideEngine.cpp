@@ -163,6 +163,7 @@ void GuideEngine::slide(size_t i) {
     const Real along = direction[i].dot(total), dt = scene->dt;
     const Vector3r across = total - along * direction[i];
     Real speed = state.vel.dot(direction[i]), rubbed = 0, stopped = 0;
+    if (!driven[i]) lastSpeed[i] = speed;
     rubbing[i] = friction[i] * across.norm();
     if (driven[i]) {
         if (speed != 0) rubbed = speed > 0 ? -rubbing[i] : rubbing[i];

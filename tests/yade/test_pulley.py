@@ -321,7 +321,7 @@ def test_belt_slips_by_eytelwein(scene):
 def test_belt_creep(scene):
     """Total creep tends to v (T1 - T2)/EA as v_t0 falls."""
     errors = []
-    for v0 in (1e-3, 1e-5):
+    for v0 in (1e-2, 1e-5):
         O.reset()
         cable, ids, engine, _ = belt(5e3, v0, dict(speed=2.0 / R), dict(torque=-0.3))
         rows = record(25, lambda: (*spanTensions(cable), *engine.angle, O.time))
@@ -331,7 +331,7 @@ def test_belt_creep(scene):
         first, second = (np.polyfit(half[:, 4], half[:, k], 1)[0] * R for k in (2, 3))
         creep = 2.0 * abs(upper - lower) / 5e3
         errors.append((first - second) / creep - 1)
-    assert abs(errors[1]) < 0.05 and errors[1] < errors[0], errors
+    assert abs(errors[1]) < 0.05 and errors[0] > 0.1, errors
 
 
 def liftOff(ei, tension, radius, length):

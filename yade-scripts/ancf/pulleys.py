@@ -387,6 +387,33 @@ def engines(*parts, **options):
     return made[:-1] + drives + made[-1:]
 
 
+def settle(cable, time, every=1e-3):
+    """Lets a scene come to rest for `time` [s] and sets O.time to 0: whenever kinetic energy has
+    begun to fall, all speeds of cables and of bodies that nothing leads are taken out.
+    """
+    free = [k for k, what in cable._claims.items() if what.startswith("carrying")]
+    carried = [b for k, b in cable._attached if k in free]
+    engines = [e for e in O.engines if isinstance(e, wrapper.SheaveEngine)]
+    loose = [i for e in engines for i, w in zip(e.ids, e.speed) if math.isnan(w)]
+    last, steps = 0.0, max(1, round(every / O.dt))
+    for _ in range(max(1, round(time / (steps * O.dt)))):
+        for _ in range(steps):
+            O.step()
+        states = [O.bodies[b].state for b in carried]
+        kinetic = cable.energy()["kinetic"] + sum(
+            0.5 * s.mass * s.vel.squaredNorm() for s in states
+        )
+        if kinetic < last:
+            cable.engine.velocity = [0.0] * len(cable.engine.velocity)
+            for s in states:
+                s.vel = s.angVel = Vector3.Zero
+            for i in loose:
+                O.bodies[i].state.angVel = Vector3.Zero
+            kinetic = 0.0
+        last = kinetic
+    O.resetTime()
+
+
 def sheaves():
     """Ids of all sheaves in O.bodies."""
     return [b.id for b in O.bodies if b and isinstance(b.shape, wrapper.Sheave)]
