@@ -408,13 +408,13 @@ def swingOurs(model, n, duration=1.0):
     ancfModel = model == "ancf"
     points = [(0, 0, 0), (1, 0, 0)]
     if ancfModel:
-        cable = ours("ancf", PENDULUM, points, n, bending=section(PENDULUM)[1])
+        cable = ours("ancf", PENDULUM, points, n, axialRule="reduced")
     else:
         cable = ours("springs", PENDULUM, points, midPoints=n - 1)
     cable.fix(0)
     cable.setVelocity(lambda p: Vector3(0, 0, -4 * p[0]))
     start(cable, (0, -PENDULUM_GRAVITY, 0))
-    O.dt = RESERVE * cable.criticalTimeStep()
+    O.dt = cable.criticalTimeStep()
     exact = PENDULUM_GREEN if ancfModel else PENDULUM_ENGINEERING
     return swing(n, lambda: cable.knots[1], exact, duration)
 
@@ -606,7 +606,7 @@ TESTS = {
 }
 SIZES = {
     "hanging cable": ((8, 16, 32, 64), (4, 8, 16, 32, 64)),
-    "pendulum": ((8, 16, 32, 64), (4, 8, 16, 32)),
+    "pendulum": ((8, 16, 32, 64), (2, 4, 6, 8, 16)),
     "cantilever": ((5, 10, 20), (2, 4, 8, 16)),
 }
 KINDS = {
@@ -635,24 +635,20 @@ def measureAll(quick):
 
 
 def factors(rows):
-    """{test: (factor, kind, wall)}: least error of any built-in within a wall time over ours within
-    the same, at the wall times of the built-ins; the least of these factors.
+    """{test: [(wall [s], best built-in, its error, ours, factor), ...]}: the least error of any built-in
+    that takes no longer than `wall`, and of ours, at the wall times of the built-ins.
     """
     answer = {}
     for test in TESTS:
-        own = [(r[3], max(r[4:])) for r in rows if r[0] == test and r[1] == "ours"]
-        other = [
-            (r[3], max(r[4:]), r[1])
-            for r in rows
-            if r[0] == test and r[1] in NAMES and not r[1].startswith("ours")
-        ]
-        found = []
+        all_ = [(r[3], max(r[4:]), r[1]) for r in rows if r[0] == test]
+        own = [r for r in all_ if r[2] == "ours"]
+        other = sorted(r for r in all_ if not r[2].startswith("ours"))
+        answer[test] = []
         for wall, _, _ in other:
-            best = min((o for o in other if o[0] <= wall), key=lambda o: o[1])
-            mine = [e for w, e in own if w <= wall]
+            best = min((r for r in other if r[0] <= wall), key=lambda r: r[1])
+            mine = [r[1] for r in own if r[0] <= wall]
             if mine:
-                found.append((best[1] / min(mine), best[2], wall))
-        answer[test] = min(found) if found else None
+                answer[test].append((wall, best[2], best[1], min(mine), best[1] / min(mine)))
     return answer
 
 
@@ -680,7 +676,7 @@ def dropAll(quick):
 CANNOT = (
     (
         "GridNode, GridConnection",
-        "touch a box, facet or wall: no such Ig2, it falls through without a word",
+        "touch a box, facet or wall: Box and node's sphere meet, the cable falls through without a word",
     ),
     ("GridNode, GridConnection", "slack without bending: links are beams, and push"),
     ("cohesive spheres (CohFrictMat)", "be thin: touching spheres are as thick as links are long"),
@@ -717,7 +713,7 @@ def plot(rows, drops, file):
         ax.set_title(f"{test}: {title}", fontsize=10)
         ax.set_xlabel("wall time [s]")
         ax.grid(alpha=0.3, which="both", lw=0.4)
-    axes[0].legend(fontsize=8)
+    axes[2].legend(fontsize=7)
     ax = axes[4]
     for shape, kind, parts, _, wall, _, deep in drops:
         marker = "o" if shape == "ball" else "s"
@@ -763,10 +759,11 @@ def main():
         out.writerows(CANNOT)
     plot(rows, drops, args.out / "chains.png")
     for test, found in factors(rows).items():
-        if found:
-            factor, kind, wall = found
+        least = min(found, key=lambda f: f[4])
+        for (wall, kind, theirs, mine, factor), what in ((least, "least"), (found[-1], "last")):
             print(
-                f"{test}: ours has {factor:.1f} times less error than {NAMES[kind]} within {wall:.3g} s"
+                f"{test}, {what}: within {wall:.2g} s {NAMES[kind]} {theirs:.1e}, ours {mine:.1e}: "
+                f"{factor:.1f} times less"
             )
     for who, what in CANNOT:
         print(f"  {who} cannot {what}")

@@ -25,7 +25,10 @@ from yade import O, Vector3, utils
 CUBE_EDGE = 0.12  # [m]
 DURATION = 1.5  # [s]
 SAMPLE = 5e-3  # time between two samples [s]
-COMPARED = 1.4  # models are compared up to this time, as in the study [s]
+BEFORE, COMPARED = (
+    0.6,
+    1.4,
+)  # models are compared up to these times: before contact, and the study's [s]
 RUNS = 8  # perturbed runs a case, besides the unperturbed one
 NUDGE = 1e-6  # relative, of the bullets' velocities; of the target's place in its size
 RESERVE = 0.6  # of the critical step, which falls where a bullet stretches a cable
@@ -39,23 +42,16 @@ MODELS = {  # three contact points inside each cable, but for springs without mi
     "ANCF 1": dict(elements=1, contactPoints=3, mass="lumped"),
     "ANCF 2": dict(elements=2, contactPoints=1, mass="lumped"),
 }
-CONSISTENT = "ANCF 1, consistent"  # shows what lumping the mass changes; ball only
-FINE = "ANCF 1, 15 points"  # shows what more contact points change; cube only
+CONSISTENT = {  # show what lumping the mass changes; ball only
+    "ANCF 1, consistent": {**MODELS["ANCF 1"], "mass": "consistent"},
+    "ANCF 2, consistent": {**MODELS["ANCF 2"], "mass": "consistent"},
+}
+FINE = {"ANCF 1, 15 points": {**MODELS["ANCF 1"], "contactPoints": 15}}  # cube only
+ALL = {**MODELS, **CONSISTENT, **FINE}
+FEW = {"ANCF 2, consistent": 1, "ANCF 1, 15 points": 0}  # perturbed runs of what takes long
 COLORS = dict(
-    zip(
-        [*MODELS, CONSISTENT, FINE],
-        ("#c0392b", "#e08e0b", "#1f6fb2", "#2e8b57", "#7d5ba6", "#555555"),
-    )
+    zip(ALL, ("#c0392b", "#e08e0b", "#1f6fb2", "#2e8b57", "#7d5ba6", "#d17fb0", "#555555"))
 )
-
-
-def options(name):
-    """Arguments of a model for Net.square."""
-    if name == CONSISTENT:
-        return {**MODELS["ANCF 1"], "mass": "consistent"}
-    if name == FINE:
-        return {**MODELS["ANCF 1"], "contactPoints": 15}
-    return MODELS[name]
 
 
 def build(target, model, nudge=0, integrator="leapfrog", gap=None):
@@ -81,7 +77,7 @@ def build(target, model, nudge=0, integrator="leapfrog", gap=None):
         damping=a["damping"],
         normal=(1, 0, 0),
         fold=a["fold"],
-        **options(model),
+        **ALL[model],
     )
     net.addBullets(
         given.BULLET_MASS,
@@ -173,15 +169,23 @@ class Run:
         return self.time[touching[0]] if len(touching) else np.nan
 
     @property
+    def closed(self):
+        """All bullets beyond the centre and the mouth below a quarter of its largest."""
+        return self.behind == 4 and self.mouth < 0.25
+
+    @property
     def wrapped(self):
-        """All bullets beyond the centre, mouth below 25 %, true curve less than one diameter
-        deep.
-        """
-        return self.behind == 4 and self.mouth < 0.25 and self.deepest < 1
+        """Closed, and no contact point deeper than a diameter, as ball_capture has it."""
+        return self.closed and self.pointPenetration < self.diameter
+
+    @property
+    def whole(self):
+        """Wrapped, and the true curve never deeper than a diameter either."""
+        return self.wrapped and self.deepest < 1
 
     @property
     def why(self):
-        """Why it is not wrapped."""
+        """Why it is not wrapped, or why not whole."""
         reasons = []
         if self.behind < 4:
             reasons.append(f"{self.behind} of 4 bullets behind")
@@ -228,35 +232,13 @@ def stepTime(model, integrator, steps=2000):
     return 1e6 * best
 
 
-def rkLimit(model):
-    """Longest stable step of RK4 [s]: the largest that keeps a deploying net's energy for 0.02 s."""
-
-    def stable(dt):
-        net, _ = build("ball", model, integrator="rk4")
-        O.dt = dt
-        for _ in range(int(0.02 / dt)):
-            O.step()
-        fast = max(abs(v) for v in net.engine.velocity[: net.engine.nNodes])
-        return np.isfinite(fast) and fast < 5 * given.BULLET_SPEED
-
-    build("ball", model, integrator="rk4")
-    low, high = 0.0, 8 * O.dt
-    for _ in range(6):
-        middle = 0.5 * (low + high)
-        try:
-            good = stable(middle)
-        except RuntimeError:
-            good = False
-        low, high = (middle, high) if good else (low, middle)
-    return low
-
-
 def table(runs, file):
     """Writes the table; runs: {(target, model): [Run, ...]}."""
     head = (
         "target,model,nodes,dof,stable step of the cables [s],step [s],us a step leapfrog (whole capture),"
         "us a step leapfrog (free),us a step RK4 (free),capture [s],first contact [s],"
-        "deepest of the true curve [diameters],deepest contact point [diameters],mouth [%],wrapped,why not"
+        "deepest of the true curve [diameters],deepest contact point [diameters],mouth [%],wrapped,"
+        "wrapped; true curve too,why not"
     ).split(",")
     rows = []
     free = {}
@@ -282,7 +264,8 @@ def table(runs, file):
                 f"{max(r.pointPenetration for r in all_) / first.diameter:.2f}",
                 f"{100 * np.mean([r.mouth for r in all_]):.0f}",
                 f"{sum(r.wrapped for r in all_)} of {len(all_)}",
-                "; ".join(reasons[:3]) + ("; ..." if len(reasons) > 3 else ""),
+                f"{sum(r.whole for r in all_)} of {len(all_)}",
+                "; ".join(reasons[:2]) + ("; ..." if len(reasons) > 2 else ""),
             ]
         )
     writeTable(file, head, rows)
@@ -306,57 +289,40 @@ def writeTable(file, head, rows):
 # ---- differences between models ------------------------------------------------------------------
 
 
-def apart(a, b):
-    """Largest difference of bullet 1's displacement between two runs up to COMPARED [m]."""
-    end = min(COMPARED, a.time[-1], b.time[-1])
-    t = np.arange(0, end, SAMPLE)
+def apart(a, b, until):
+    """Largest difference of bullet 1's displacement between two runs up to a time [m]."""
+    t = np.arange(0, min(until, a.time[-1], b.time[-1]), SAMPLE)
     one, other = (np.interp(t, r.time, r.displacement[:, 0]) for r in (a, b))
     return np.abs(one - other).max()
 
 
 def differences(runs, file):
-    """Table of differences between and inside models, over all pairs of runs; returns {target:
-    (inside, between)} in metres.
+    """Table of differences between and inside models over all pairs of runs; returns {(target, until):
+    ([inside], [between])}, means in metres.
     """
     rows, answer = [], {}
-    for target in dict.fromkeys(t for t, _ in runs):
-        models = [m for t, m in runs if t == target]
-        inside, between = [], []
-        for i, one in enumerate(models):
-            for other in models[i:]:
-                a, b = runs[target, one], runs[target, other]
-                if one == other:
-                    d = np.array([apart(x, y) for k, x in enumerate(a) for y in a[k + 1 :]])
-                    if not len(d):
+    for until in (BEFORE, COMPARED):
+        for target in dict.fromkeys(t for t, _ in runs):
+            models = [m for t, m in runs if t == target]
+            inside, between = answer.setdefault((target, until), ([], []))
+            for i, one in enumerate(models):
+                for other in models[i:]:
+                    a, b = runs[target, one], runs[target, other]
+                    same = one == other
+                    pairs = [(x, y) for k, x in enumerate(a) for y in (a[k + 1 :] if same else b)]
+                    if not pairs:
                         continue
-                    inside.append(d.mean())
-                else:
-                    d = np.array([apart(x, y) for x in a for y in b])
-                    between.append(d.mean())
-                travelled = max(r.displacement[r.time <= COMPARED, 0].max() for r in a)
-                rows.append(
-                    [
-                        target,
-                        one,
-                        other,
-                        f"{100 * d.mean():.2f}",
-                        f"{100 * d.std():.2f}",
-                        f"{100 * d.max():.2f}",
-                        f"{100 * d.mean() / travelled:.2f}",
-                        len(d),
-                    ]
-                )
-        answer[target] = (inside, between)
-    head = [
-        "target",
-        "model",
-        "other model",
-        "mean difference [cm]",
-        "its spread [cm]",
-        "largest [cm]",
-        "mean [% of travel]",
-        "pairs",
-    ]
+                    d = np.array([apart(x, y, until) for x, y in pairs])
+                    if one in MODELS and other in MODELS:
+                        (inside if same else between).append(d.mean())
+                    travel = max(r.displacement[r.time <= until, 0].max() for r in a)
+                    cm = [f"{100 * x:.2f}" for x in (d.mean(), d.std(), d.max())]
+                    part = f"{100 * d.mean() / travel:.2f}"
+                    rows.append([until, target, one, other, *cm, part, len(d)])
+    head = (
+        "until [s],target,model,other model,mean difference [cm],its spread [cm],largest [cm],"
+        "mean [% of travel],pairs"
+    ).split(",")
     writeTable(file, head, rows)
     return answer
 
@@ -466,11 +432,11 @@ def study(folder, runs, workers, duration, targets, models, more=True):
     """All captures; returns {(target, model): [Run, ...]}, the unperturbed first."""
     cases = [(t, m) for t in targets for m in models]
     if more:
-        cases += [("ball", CONSISTENT), ("cube", FINE)]
+        cases += [("ball", m) for m in CONSISTENT] + [("cube", m) for m in FINE]
     pictures = [t for t in PICTURES if t <= duration] or [duration]
     jobs = []
     for target, model in cases:
-        many = {CONSISTENT: min(runs, 2), FINE: 0}.get(model, runs)
+        many = min(runs, FEW.get(model, runs))
         jobs += [(target, model, k, duration, pictures if k == 0 else ()) for k in range(many + 1)]
     done = runAll(jobs, workers, "captures")
     result = {case: [r for r in done if (r.target, r.model) == case] for case in cases}
@@ -488,13 +454,13 @@ def study(folder, runs, workers, duration, targets, models, more=True):
 def conclude(answer):
     """Says how differences between models compare with those inside one."""
     print()
-    for target, (inside, between) in answer.items():
-        if not inside or not between:
-            continue
-        print(
-            f"{target}: between models {100 * min(between):.1f} to {100 * max(between):.1f} cm, "
-            f"inside one model {100 * min(inside):.1f} to {100 * max(inside):.1f} cm; the study: 6 cm"
-        )
+    for (target, until), (inside, between) in answer.items():
+        if inside and between:
+            a, b = ([100 * x for x in part] for part in (between, inside))
+            print(
+                f"{target}, up to {until} s: between models {min(a):.2f} to {max(a):.2f} cm, inside one "
+                f"model {min(b):.2f} to {max(b):.2f} cm; the study: 6 cm"
+            )
 
 
 def arguments():
