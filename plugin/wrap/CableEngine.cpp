@@ -31,7 +31,7 @@ CREATE_LOGGER(CableEngine);
 namespace {
     constexpr long checkInterval = 100; // steps between two looks at the strain
     constexpr Real workingStrain = .05; // of a cable that presses on what it holds
-    constexpr Real contactReserve = .8; // of the critical step of a contact
+    constexpr Real contactReserve = .9; // of the critical step of a contact
     constexpr Real strainReserve = .1;  // strain up to which automatic steps are stable
 
     template <class... Parts> string text(const Parts&... parts) {
@@ -438,29 +438,37 @@ void CableEngine::makeNeighbours() {
         firstNeighbour.push_back(static_cast<int>(neighbour.size()));
     }
     stiffness.assign(points.size(), 0);
+    damping.assign(points.size(), 0);
 }
 
-// The contacts as they stand allow a step of 2/sqrt of the largest row sum of stiffness times compliance.
+// Leapfrog with damping from the velocity of the last half step is stable for K dt^2 + 2 C dt <= 4, K and C stiffness
+// and damping over mass; with several contacts, the largest row sums bound them.
 void CableEngine::checkContacts() {
     constexpr long interval = 10;
     if (rows.empty() || scene->iter % interval != 0) return;
-    const auto each = [&](const auto& set) {
-        for (size_t i = 0; i < rows.size(); ++i)
-            for (const ancf_point* p : {table[i].point, table[i].other})
-                if (p >= points.data() && p < points.data() + points.size()) set(p - points.data(), rows[i].phys->kn);
+    const auto eachEnd = [&](size_t row, const auto& f) {
+        for (const ancf_point* p : {table[row].point, table[row].other})
+            if (p && p >= points.data() && p < points.data() + points.size()) f(p - points.data());
     };
-    each([&](long point, Real kn) { stiffness[point] += kn; });
+    for (size_t i = 0; i < rows.size(); ++i)
+        eachEnd(i, [&](long point) {
+            stiffness[point] += rows[i].phys->kn;
+            damping[point] += rows[i].phys->damping(rows[i].depth);
+        });
     for (size_t i = 0; i < rows.size(); ++i) {
-        const long point = table[i].point - points.data();
-        Real sum = 0;
-        for (int k = firstNeighbour[point]; k < firstNeighbour[point + 1]; ++k)
-            sum += stiffness[neighbour[k]] * neighbourCompliance[k];
-        if (sum * scene->dt * scene->dt > 4)
+        Real K = 0, C = 0;
+        eachEnd(i, [&](long point) {
+            for (int k = firstNeighbour[point]; k < firstNeighbour[point + 1]; ++k) {
+                K += stiffness[neighbour[k]] * neighbourCompliance[k];
+                C += damping[neighbour[k]] * neighbourCompliance[k];
+            }
+        });
+        if ((K * scene->dt + 2 * C) * scene->dt > 4)
             refuse(text("at iteration ", scene->iter, " the contact of point ", rows[i].cable, " with body ",
-                        rows[i].other, " is too stiff for O.dt = ", scene->dt,
-                        " s: use O.dt <= ", contactReserve * 2 / std::sqrt(sum)));
+                        rows[i].other, " is too stiff or too damped for O.dt = ", scene->dt,
+                        " s: use O.dt <= ", contactReserve * (std::sqrt(C * C + 4 * K) - C) / K));
     }
-    each([&](long point, Real) { stiffness[point] = 0; });
+    for (size_t i = 0; i < rows.size(); ++i) eachEnd(i, [&](long point) { stiffness[point] = damping[point] = 0; });
 }
 
 // Which bodies are contact points, or are carried at their centres.
@@ -684,8 +692,8 @@ void CableEngine::gatherContact(const Interaction& contact) {
         c.normal[i] = row.normalForce[i] / c.normal_force;
         c.friction[i] = swapped ? phys->shearForce[i] : -phys->shearForce[i];
     }
-    const Real depth = static_cast<const ScGeom&>(*contact.geom).penetrationDepth;
-    maxPenetration = std::max(maxPenetration, depth);
+    row.depth = static_cast<const ScGeom&>(*contact.geom).penetrationDepth;
+    maxPenetration = std::max(maxPenetration, row.depth);
     rows.push_back(row);
     table.push_back(c);
 }
@@ -1014,6 +1022,7 @@ Real CableEngine::contactTimeStep(Real speed) {
     const Scene& s = theScene();
     struct Answer {
         Real alone = 0, together = 0, force = 0; // the largest, of one point and of neighbours that touch at once
+        bool touchesCables = false;
     };
     std::map<std::pair<const HollarsMat*, Real>, Answer> cables; // by material and radius
     for (size_t i = 0; i < points.size(); ++i) {
@@ -1022,6 +1031,7 @@ Real CableEngine::contactTimeStep(Real speed) {
                                  static_cast<const Sphere&>(*body.shape).radius}];
         Real together = 0;
         for (int k = firstNeighbour[i]; k < firstNeighbour[i + 1]; ++k) together += neighbourCompliance[k];
+        answer.touchesCables = answer.touchesCables || CablePoint::of(body)->selfContact;
         answer.alone = std::max(answer.alone, points[i].compliance);
         answer.together = std::max(answer.together, together);
         answer.force = std::max(answer.force, workingStrain * ea[pointElement[i]]);
@@ -1034,17 +1044,24 @@ Real CableEngine::contactTimeStep(Real speed) {
         if (material) others.insert({material, sphere ? 1 / sphere->radius : 0});
     }
     Real least = std::numeric_limits<Real>::infinity();
-    for (const auto& [cable, answer] : cables)
-        for (const auto& [material, curvature] : others) {
-            if (!cable.first || !(answer.alone > 0)) continue;
-            HollarsPhys phys;
-            setStiffness(phys, *cable.first, *material, 1 / (1 / cable.second + curvature));
-            const Real k = phys.normalStiffness, n = phys.normalExponent;
-            const Real impact = std::pow((n + 1) * speed * speed / (2 * k * answer.alone), 1 / (n + 1));
-            const Real depth = std::max(impact, std::pow(answer.force / k, 1 / n));
-            const ancf_normal law = phys.normalLaw();
-            least = std::min(least, contactReserve * 2 / std::sqrt(ancf_normal_tangent(&law, depth) * answer.together));
-        }
+    const auto limit = [&](const HollarsMat& cable, const ElastMat& other, Real curvature, const Answer& answer,
+                           Real sides) { // 2 if the other one is a cable as well
+        HollarsPhys phys;
+        setStiffness(phys, cable, other, 1 / curvature);
+        const Real k = phys.normalStiffness, n = phys.normalExponent;
+        const Real impact = std::pow((n + 1) * speed * speed / (2 * k * sides * answer.alone), 1 / (n + 1));
+        const Real depth = std::max(impact, std::pow(answer.force / k, 1 / n));
+        const ancf_normal law = phys.normalLaw();
+        const Real K = ancf_normal_tangent(&law, depth) * sides * answer.together;
+        const Real C = 1.5 * cable.impactDamping * k * std::pow(depth, n) * sides * answer.together;
+        least = std::min(least, contactReserve * (std::sqrt(C * C + 4 * K) - C) / K);
+    };
+    for (const auto& [cable, answer] : cables) {
+        if (!cable.first || !(answer.alone > 0)) continue;
+        for (const auto& [material, curvature] : others)
+            limit(*cable.first, *material, 1 / cable.second + curvature, answer, 1);
+        if (answer.touchesCables) limit(*cable.first, *cable.first, 2 / cable.second, answer, 2);
+    }
     return least;
 }
 

@@ -41,6 +41,7 @@ class CableEngine : public GlobalEngine {
         int partner;          // in `partners`, or -1
         Vector3r normalForce; // on the cable [N]
         ancf_friction law;
+        Real depth = 0; // [m]
     };
 
     std::unique_ptr<ancf_model, ModelDeleter> model;
@@ -50,7 +51,7 @@ class CableEngine : public GlobalEngine {
     vector<Real> responseValue;
     vector<int> firstNeighbour, neighbour; // contact points that feel each other, (points + 1) and their list
     vector<Real> neighbourCompliance;      // [1/kg]
-    vector<Real> stiffness;                // (points) of contacts, while they are checked [N/m]
+    vector<Real> stiffness, damping;       // (points) of contacts, while they are checked [N/m], [N s/m]
     vector<int> pointOfBody;               // (bodies) number of the contact point, or -1
     vector<int> carrierOfBody;             // (bodies) number in carryNodes of a body that is centred on its knot, or -1
     vector<ancf_point> carriers;

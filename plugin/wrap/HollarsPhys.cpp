@@ -25,6 +25,12 @@ ancf_friction HollarsPhys::frictionLaw() const {
     return {static_cast<ancf_friction_kind>(frictionKind), staticFriction, kineticFriction, transitionVelocity};
 }
 
+Real HollarsPhys::damping(Real depth) const {
+    if (normalKind == ANCF_NORMAL_LINEAR) return dashpot;
+    return normalKind == ANCF_NORMAL_HERTZ ? 0
+                                           : 1.5 * impactDamping * normalStiffness * std::pow(depth, normalExponent);
+}
+
 namespace {
     // Radius of the contact [m]: 1 over the sum of mean curvatures, r1 r2/(r1 + r2) for spheres. A sheave has that of
     // its groove's bottom; what is neither is taken as flat.

@@ -18,6 +18,7 @@ class HollarsPhys : public NormShearPhys {
 public:
     ancf_normal normalLaw() const;
     ancf_friction frictionLaw() const;
+    Real damping(Real depth) const; // of the normal force against the speed of approach [N s/m]
 
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR(HollarsPhys, NormShearPhys,
