@@ -110,7 +110,7 @@ def build(elements=ELEMENTS, points=CONTACT_POINTS, **changes):
     guide.add(body, direction=(0, 0, 1), friction=a["friction"])
     cable.carry(0, body)
     motion = pulleys.BackAndForth(a["stroke"], a["period"])
-    guide.add(drive, direction=(1, 0, 0), motion=motion)
+    guide.add(drive, direction=(1, 0, 0))  # its motion is set below, so that it can carry
     cable.carry(-1, drive)
     engine = ancf.SheaveEngine()
     engine.add(sheave, viscous=a["viscous"], dry=a["dry"])
@@ -159,11 +159,18 @@ def reader(cable, sheave, engine, guide, body):
     return read
 
 
-def energyError():
-    """What the balance lacks, as part of the largest energy turned over; O.trackEnergy is on."""
-    energy = dict(O.energy.items())
-    turned = max(abs(v) for v in energy.values())
-    return O.energy.total() / turned if turned else 0.0, energy
+class Balance:
+    """Energy balance from now on, by O.energy."""
+
+    def __init__(self):
+        O.trackEnergy = True
+        O.step()
+        self.start = O.energy.total()
+
+    def error(self):
+        """What is missing, as part of the work that was turned over."""
+        turned = max(abs(v) for _, v in O.energy.items())
+        return (O.energy.total() - self.start) / turned
 
 
 def plot(rows, folder):
@@ -203,7 +210,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     cable, sheave, engine, guide, drive, body = build(args.elements, args.points)
     print("assumed:", ", ".join(f"{k} = {v:g}" for k, v in ASSUMED.items()))
-    O.trackEnergy = True
+    balance = Balance()
     read = reader(cable, sheave, engine, guide, body)
     rows, wall, sample = [], 0.0, max(1, round(0.01 / O.dt))
     steps = round(args.duration / O.dt)
@@ -213,12 +220,11 @@ def main():
             O.step()
         wall += time.perf_counter() - begin
         rows.append(read())
-    error, energy = energyError()
     print(
         f"step {O.dt:.3g} s, {wall / steps * 1e6:.1f} us a step, {wall / O.time:.2f} s wall for 1 s"
     )
-    print(f"energy balance off by {error:.2e} of the largest energy turned over:")
-    for name, value in sorted(energy.items()):
+    print(f"energy balance off by {balance.error():.2e} of the largest energy turned over:")
+    for name, value in sorted(O.energy.items()):
         print(f"    {name:16s} {value:12.5g} J")
     with open(folder / "drive_rig.csv", "w", newline="") as f:
         writer = csv.DictWriter(f, rows[0])

@@ -4,6 +4,7 @@
 
 #include "Mobility.hpp"
 
+#include <core/Engine.hpp>
 #include <lib/pyutil/gil.hpp>
 #include <lib/serialization/Serializable.hpp>
 
@@ -30,10 +31,18 @@ public:
                          const Vector3r& force, const Vector3r& torque) const = 0;
 };
 
-// All drives of a scene.
+// A drive and the engine that it is.
+struct DriveEngine {
+    const Engine* engine;
+    Drive* drive;
+};
+
+// Those of a scene. Remembered for as long as its engines stay the same: asked many times a step.
+const vector<DriveEngine>& drivesOf(const Scene& scene);
+
 template <class F> void eachDrive(const Scene& scene, F f) {
-    for (const auto& engine : scene.engines)
-        if (auto* drive = dynamic_cast<Drive*>(engine.get()); drive && !engine->dead) f(*drive);
+    for (const DriveEngine& each : drivesOf(scene))
+        if (!each.engine->dead) f(*each.drive);
 }
 
 inline bool placedByDrive(const Scene& scene, const Body& body) {
