@@ -128,7 +128,7 @@ def drawnBox(mu, speeds):
         for number, point in zip(cable.bodies, cable.engine.pointXi):
             O.bodies[number].state.pos = cable.point(point)
 
-    O.dt = 1e-9  # so that the cable has no time to follow the box
+    O.dt = 1e-11  # so that the cable has no time to follow the box
     return drawn(box, speeds, again)
 
 

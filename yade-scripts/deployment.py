@@ -51,7 +51,10 @@ def scene(mass, speed, angle, target):
     )
     net.addBullets(mass, a["bulletRadius"], speed, np.radians(angle))
     O.engines = ancf.engines(net)
-    O.dt = min(O.dt, 0.6 * net.criticalTimeStep())
+    limits = [net.criticalTimeStep()]
+    if target:  # squares of frequencies add up
+        limits.append(net.engine.contactTimeStep(speed))
+    O.dt = 0.8 / np.linalg.norm([1 / limit for limit in limits])
     return net
 
 
