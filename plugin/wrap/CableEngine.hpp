@@ -65,7 +65,7 @@ class CableEngine : public GlobalEngine {
     bool pushed = false;           // others' forces act on carried bodies or contact points
     Real lastElastic = 0;
     Real substepLimit = 0; // length of automatic sub-steps at most [s]
-    long trackedIter = -1; // step that lastElastic was found in
+    long trackedIter = -2; // step that lastElastic was found in; -2: none, even before step 0
     bool pairsChecked = false;
     long checkedIter = -1;
     Real checkedStep = 0;
