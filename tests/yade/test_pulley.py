@@ -2,6 +2,8 @@
 
 import builtins
 import math
+import pathlib
+import sys
 
 import numpy as np
 import pytest
@@ -607,7 +609,7 @@ def test_bad_input(scene):
     with refused("does not exist"):
         engine.add(99)
     with refused("friction"):
-        engine.add(0, dry=-1.0) if False else engine.__class__().add(sheave, dry=-1.0, speed=1.0)
+        ancf.SheaveEngine().add(sheave, dry=-1.0, speed=1.0)
     with refused("profile"):
         ancf.Sheave(profile="square")
     with refused("radius"):
@@ -627,3 +629,16 @@ def test_bad_input(scene):
     coarse = ancf.Cable([(-0.2, 0, 0.0511), (0.2, 0, 0.0511)], 4, diameter=D, material="cable")
     with pytest.warns(UserWarning, match="chord error"):
         pulleys.engines(coarse, engine)
+
+
+def test_energy_of_the_drive_rig(scene):
+    """Work of the drive = kinetic + elastic + gravity + what was dissipated."""
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "yade-scripts"))
+    import drive_rig
+
+    with pytest.warns(UserWarning, match="chord error"):  # 20 elements are coarse here
+        drive_rig.build()
+    balance = drive_rig.Balance()
+    run(0.4)
+    assert abs(dict(O.energy.items())["driveWork"]) > 0.1
+    assert abs(balance.error()) < 1e-3
