@@ -164,7 +164,8 @@ class Balance:
 
     def __init__(self):
         O.trackEnergy = True
-        O.step()
+        for _ in range(2):  # energies at half steps need the step before
+            O.step()
         self.start = O.energy.total()
 
     def error(self):
