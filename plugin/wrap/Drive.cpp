@@ -53,7 +53,17 @@ namespace {
     }
 } // namespace
 
+namespace {
+    // A thread that Python does not know, as that of O.run, would else be made known and forgotten in each call.
+    void keepThreadState() {
+        if (PyGILState_GetThisThreadState()) return;
+        PyGILState_Ensure();
+        PyEval_SaveThread();
+    }
+} // namespace
+
 Real Schedules::operator()(int number, Real time, const string& name) const {
+    keepThreadState();
     gilLock lock;
     Real value;
     try {
