@@ -36,7 +36,7 @@ ASSUMED = dict(
     stiffness=1e6,  # K of F = K d^n [N/m^n]
     exponent=1.0,  # n
     dashpot=5.0,  # of the contact [N s/m]
-    damping=2e-6,  # Kelvin-Voigt time of the fibre [s]
+    damping=5e-7,  # Kelvin-Voigt time of the fibre [s]
     inertia=1e-4,  # of the sheave [kg m2]
     viscous=1e-5,  # of its bearing [N m s]
     dry=1e-3,  # of its bearing [N m]
@@ -123,7 +123,7 @@ def build(elements=ELEMENTS, points=CONTACT_POINTS, **changes):
         substeps=1,
         verletDist=0.01,
     )
-    O.dt = 0.9 * cable.criticalTimeStep()
+    O.dt = 0.95 * cable.criticalTimeStep()
     guide.setMotion(drive, lambda t: 0.0)
     pulleys.settle(cable, 0.2)
     guide.setMotion(drive, motion)
