@@ -118,21 +118,50 @@ static double compliance(const ancf_contact* c, const double arm[3]) {
     return w;
 }
 
-static bool rubs(const ancf_contact* c) { return c->normal_force > 0.0 && c->law->kind != ANCF_FRICTION_NONE; }
+// Response of a body at the point along the normal [1/kg].
+static double partner_along(const ancf_partner* p, const double arm[3], const double normal[3]) {
+    double side[3], turn[3];
+    cross(side, arm, normal);
+    multiply(turn, p->inv_inertia, side);
+    const double guided = dot(p->along, normal);
+    double w = dot(side, turn) + guided * guided;
+    for (int i = 0; i < 3; i++) w += p->inv_mass[i] * normal[i] * normal[i];
+    return w;
+}
+
+static bool touches(const ancf_contact* c) { return c->normal_force > 0.0; }
+
+// Puts one contact's dashpot right while all else stays: d = c rate at the rate that is left, but the contact does not
+// pull. Returns the square of its change [N2].
+static double damp(const ancf_model* m, ancf_contact* c, double dt, double* velocity) {
+    double arm[3] = {0.0, 0.0, 0.0}, v[3], impulse[3];
+    if (c->partner) lever(arm, m, c);
+    relative_velocity(v, m, c, arm, velocity);
+    double w = c->point->compliance + (c->other ? c->other->compliance : 0.0);
+    if (c->partner) w += partner_along(c->partner, arm, c->normal);
+    const double rate = w * dt * c->damping_force - dot(v, c->normal); // without its own part
+    const double force = fmax(c->normal_damping * rate / (1.0 + w * dt * c->normal_damping), -c->normal_force);
+    const double change = force - c->damping_force;
+    for (int i = 0; i < 3; i++) impulse[i] = dt * change * c->normal[i];
+    c->damping_force = force;
+    kick(m, c, arm, impulse, velocity);
+    return change * change;
+}
 
 // Puts one contact's friction right while the others' stay; returns the square of its change [N2]. Its own part
 // w f dt is taken off the velocity, the scalar equation solved along what is left, and the new part put on: where
 // nothing changes any more, f belongs to the true velocity, even if w was only near the response in that direction.
-static double relax(const ancf_model* m, ancf_contact* c, double dt, double* velocity) {
+static double rub(const ancf_model* m, ancf_contact* c, double dt, double* velocity) {
     double arm[3] = {0.0, 0.0, 0.0}, v[3], change[3], impulse[3];
+    const double normal_force = c->normal_force + c->damping_force;
     if (c->partner) lever(arm, m, c);
     relative_velocity(v, m, c, arm, velocity);
     project(v, c->normal);
     const double w = compliance(c, arm);
     for (int i = 0; i < 3; i++) v[i] -= w * dt * c->friction[i];
     const double speed = sqrt(dot(v, v));
-    const double left = ancf_friction_solve(c->law, speed, w * dt * c->normal_force);
-    const double force = ancf_friction_coefficient(c->law, left) * c->normal_force;
+    const double left = ancf_friction_solve(c->law, speed, w * dt * normal_force);
+    const double force = ancf_friction_coefficient(c->law, left) * normal_force;
     for (int i = 0; i < 3; i++) {
         const double friction = speed > 0.0 ? -force * (v[i] / speed) : 0.0;
         change[i] = friction - c->friction[i];
@@ -143,18 +172,24 @@ static double relax(const ancf_model* m, ancf_contact* c, double dt, double* vel
     return dot(change, change);
 }
 
-// Starts from the guess, in the tangent plane; returns the bound of the friction force [N].
+// Starts from the guess: friction in the tangent plane, and a dashpot. Returns the size of its forces [N].
 static double start(const ancf_model* m, ancf_contact* c, double dt, double* velocity) {
     double arm[3] = {0.0, 0.0, 0.0}, impulse[3];
-    if (!rubs(c)) {
-        c->friction[0] = c->friction[1] = c->friction[2] = 0.0;
-        return 0.0;
-    }
     project(c->friction, c->normal);
-    for (int i = 0; i < 3; i++) impulse[i] = dt * c->friction[i];
+    if (!touches(c) || c->law->kind == ANCF_FRICTION_NONE) c->friction[0] = c->friction[1] = c->friction[2] = 0.0;
+    if (!touches(c) || c->normal_damping == 0.0) c->damping_force = 0.0;
+    for (int i = 0; i < 3; i++) impulse[i] = dt * (c->friction[i] + c->damping_force * c->normal[i]);
     if (c->partner) lever(arm, m, c);
     kick(m, c, arm, impulse, velocity);
-    return fmax(c->law->mu_s, c->law->mu_k) * c->normal_force;
+    return fmax(fmax(c->law->mu_s, c->law->mu_k), c->normal_damping > 0.0 ? 1.0 : 0.0) * c->normal_force;
+}
+
+static double relax(const ancf_model* m, ancf_contact* c, double dt, double* velocity) {
+    double change = 0.0;
+    if (!touches(c)) return 0.0;
+    if (c->normal_damping > 0.0) change = damp(m, c, dt, velocity);
+    if (c->law->kind != ANCF_FRICTION_NONE) change = fmax(change, rub(m, c, dt, velocity));
+    return change;
 }
 
 int ancf_contact_solve(const ancf_model* m, ancf_contact* table, int n, double dt, double* velocity) {
@@ -163,8 +198,7 @@ int ancf_contact_solve(const ancf_model* m, ancf_contact* table, int n, double d
     const double enough = tolerance * tolerance * largest * largest;
     for (int sweep = 1; sweep <= SWEEPS_MAX; sweep++) {
         double change = 0.0;
-        for (int i = 0; i < n; i++)
-            if (rubs(&table[i])) change = fmax(change, relax(m, &table[i], dt, velocity));
+        for (int i = 0; i < n; i++) change = fmax(change, relax(m, &table[i], dt, velocity));
         if (change <= enough) return sweep;
     }
     return SWEEPS_MAX;

@@ -438,11 +438,9 @@ void CableEngine::makeNeighbours() {
         firstNeighbour.push_back(static_cast<int>(neighbour.size()));
     }
     stiffness.assign(points.size(), 0);
-    damping.assign(points.size(), 0);
 }
 
-// Leapfrog with damping from the velocity of the last half step is stable for K dt^2 + 2 C dt <= 4, K and C stiffness
-// and damping over mass; with several contacts, the largest row sums bound them.
+// The contacts as they stand allow a step of 2/sqrt of the largest row sum of stiffness over mass.
 void CableEngine::checkContacts() {
     constexpr long interval = 10;
     if (rows.empty() || scene->iter % interval != 0) return;
@@ -450,25 +448,19 @@ void CableEngine::checkContacts() {
         for (const ancf_point* p : {table[row].point, table[row].other})
             if (p && p >= points.data() && p < points.data() + points.size()) f(p - points.data());
     };
-    for (size_t i = 0; i < rows.size(); ++i)
-        eachEnd(i, [&](long point) {
-            stiffness[point] += rows[i].phys->kn;
-            damping[point] += rows[i].phys->damping(rows[i].depth);
-        });
+    for (size_t i = 0; i < rows.size(); ++i) eachEnd(i, [&](long point) { stiffness[point] += rows[i].phys->kn; });
     for (size_t i = 0; i < rows.size(); ++i) {
-        Real K = 0, C = 0;
+        Real sum = 0;
         eachEnd(i, [&](long point) {
-            for (int k = firstNeighbour[point]; k < firstNeighbour[point + 1]; ++k) {
-                K += stiffness[neighbour[k]] * neighbourCompliance[k];
-                C += damping[neighbour[k]] * neighbourCompliance[k];
-            }
+            for (int k = firstNeighbour[point]; k < firstNeighbour[point + 1]; ++k)
+                sum += stiffness[neighbour[k]] * neighbourCompliance[k];
         });
-        if ((K * scene->dt + 2 * C) * scene->dt > 4)
+        if (sum * scene->dt * scene->dt > 4)
             refuse(text("at iteration ", scene->iter, " the contact of point ", rows[i].cable, " with body ",
-                        rows[i].other, " is too stiff or too damped for O.dt = ", scene->dt,
-                        " s: use O.dt <= ", contactReserve * (std::sqrt(C * C + 4 * K) - C) / K));
+                        rows[i].other, " is too stiff for O.dt = ", scene->dt,
+                        " s: use O.dt <= ", contactReserve * 2 / std::sqrt(sum)));
     }
-    for (size_t i = 0; i < rows.size(); ++i) eachEnd(i, [&](long point) { stiffness[point] = damping[point] = 0; });
+    for (size_t i = 0; i < rows.size(); ++i) eachEnd(i, [&](long point) { stiffness[point] = 0; });
 }
 
 // Which bodies are contact points, or are carried at their centres.
@@ -692,8 +684,10 @@ void CableEngine::gatherContact(const Interaction& contact) {
         c.normal[i] = row.normalForce[i] / c.normal_force;
         c.friction[i] = swapped ? phys->shearForce[i] : -phys->shearForce[i];
     }
-    row.depth = static_cast<const ScGeom&>(*contact.geom).penetrationDepth;
-    maxPenetration = std::max(maxPenetration, row.depth);
+    const Real depth = static_cast<const ScGeom&>(*contact.geom).penetrationDepth;
+    maxPenetration = std::max(maxPenetration, depth);
+    c.normal_damping = phys->damping(depth);
+    c.damping_force = phys->dampingForce;
     rows.push_back(row);
     table.push_back(c);
 }
@@ -791,11 +785,16 @@ void CableEngine::react() {
     const Real scale = ancf_kick(&time) / time.step; // the first kick is half as long for cables as for bodies
     for (size_t i = 0; i < rows.size(); ++i) {
         const ancf_contact& c = table[i];
-        const Vector3r friction = vectorOf(c.friction), total = scale * (rows[i].normalForce + friction);
+        const Vector3r friction = vectorOf(c.friction), damped = c.damping_force * vectorOf(c.normal);
+        const Vector3r normal = rows[i].normalForce + damped, late = damped + friction;
+        const Vector3r total = scale * (normal + friction);
+        const Real sign =
+            rows[i].phys->normalForce.dot(rows[i].normalForce) > 0 ? 1 : -1; // the cable is second or first
         const Body& cable = *(*scene->bodies)[rows[i].cable];
-        rows[i].phys->shearForce =
-            rows[i].phys->normalForce.dot(rows[i].normalForce) > 0 ? friction : Vector3r(-friction);
-        ancf_add_contact(model.get(), &time, c.point, friction.data());
+        rows[i].phys->shearForce = sign * friction;
+        rows[i].phys->normalForce = sign * normal;
+        rows[i].phys->dampingForce = c.damping_force;
+        ancf_add_contact(model.get(), &time, c.point, late.data());
         if (time.substeps > 1) ancf_add_contact(model.get(), &time, c.point, rows[i].normalForce.data());
         if (!c.partner) continue;
         const Body& body = *(*scene->bodies)[rows[i].other];
@@ -817,7 +816,9 @@ void CableEngine::react() {
         const Real mass = (*scene->bodies)[carryIds[i]]->state->mass;
         Vector3r touched = Vector3r::Zero();
         for (size_t r = 0; r < rows.size(); ++r)
-            if (table[r].other == &carriers[i]) touched -= rows[r].normalForce + vectorOf(table[r].friction);
+            if (table[r].other == &carriers[i])
+                touched -= rows[r].normalForce + table[r].damping_force * vectorOf(table[r].normal) +
+                           vectorOf(table[r].friction);
         carryReaction[i] = carriedForce[i] + touched + mass * (gravity - ofNode(model.get(), model->a, carryNodes[i]));
     }
 }
@@ -867,7 +868,7 @@ void CableEngine::trackEnergy() {
                       gravity.dot(ofNode(model.get(), model->v, carryNodes[i]));
     tracker.add(lifted, "gravWork", gravityIx, false);
     tracker.add(model->damping_work, "cableDamping", dampingIx, false);
-    Real rubbed = 0;
+    Real rubbed = 0, damped = 0;
     for (const ancf_contact& c : table) {
         Vector3r slip = at(model.get(), model->v, *c.point);
         if (c.other) slip -= at(model.get(), model->v, *c.other);
@@ -876,8 +877,10 @@ void CableEngine::trackEnergy() {
             slip -= vectorOf(c.partner->velocity) + vectorOf(c.partner->spin).cross(arm);
         }
         rubbed -= vectorOf(c.friction).dot(slip);
+        damped -= c.damping_force * vectorOf(c.normal).dot(slip);
     }
     tracker.add(rubbed * time.step, "cableFriction", frictionIx, false);
+    tracker.add(damped * time.step, "contactDamping", contactIx, false);
 }
 
 void CableEngine::action() {
@@ -914,7 +917,10 @@ void CableEngine::action() {
     }
     if (integrator == "rk4") {
         for (size_t i = 0; i < after.size(); ++i) model->external[i] += contactForce[i];
-        for (const ancf_contact& c : table) ancf_point_add_force(model.get(), model->external, c.point, c.friction);
+        for (const ancf_contact& c : table) {
+            const Vector3r late = vectorOf(c.friction) + c.damping_force * vectorOf(c.normal);
+            ancf_point_add_force(model.get(), model->external, c.point, late.data());
+        }
         ancf_rk4(model.get(), time.step);
     } else {
         ancf_correct(model.get(), &time, after.data());
@@ -1052,9 +1058,8 @@ Real CableEngine::contactTimeStep(Real speed) {
         const Real impact = std::pow((n + 1) * speed * speed / (2 * k * sides * answer.alone), 1 / (n + 1));
         const Real depth = std::max(impact, std::pow(answer.force / k, 1 / n));
         const ancf_normal law = phys.normalLaw();
-        const Real K = ancf_normal_tangent(&law, depth) * sides * answer.together;
-        const Real C = 1.5 * cable.impactDamping * k * std::pow(depth, n) * sides * answer.together;
-        least = std::min(least, contactReserve * (std::sqrt(C * C + 4 * K) - C) / K);
+        const Real sum = ancf_normal_tangent(&law, depth) * sides * answer.together;
+        least = std::min(least, contactReserve * 2 / std::sqrt(sum));
     };
     for (const auto& [cable, answer] : cables) {
         if (!cable.first || !(answer.alone > 0)) continue;

@@ -39,9 +39,8 @@ class CableEngine : public GlobalEngine {
         HollarsPhys* phys;
         Body::id_t cable, other;
         int partner;          // in `partners`, or -1
-        Vector3r normalForce; // on the cable [N]
+        Vector3r normalForce; // elastic, on the cable [N]
         ancf_friction law;
-        Real depth = 0; // [m]
     };
 
     std::unique_ptr<ancf_model, ModelDeleter> model;
@@ -51,7 +50,7 @@ class CableEngine : public GlobalEngine {
     vector<Real> responseValue;
     vector<int> firstNeighbour, neighbour; // contact points that feel each other, (points + 1) and their list
     vector<Real> neighbourCompliance;      // [1/kg]
-    vector<Real> stiffness, damping;       // (points) of contacts, while they are checked [N/m], [N s/m]
+    vector<Real> stiffness;                // (points) of contacts, while they are checked [N/m]
     vector<int> pointOfBody;               // (bodies) number of the contact point, or -1
     vector<int> carrierOfBody;             // (bodies) number in carryNodes of a body that is centred on its knot, or -1
     vector<ancf_point> carriers;
@@ -69,7 +68,7 @@ class CableEngine : public GlobalEngine {
     bool pairsChecked = false;
     long checkedIter = -1;
     Real checkedStep = 0;
-    int elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1;
+    int elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1;
 
     Scene& theScene() const;
     [[noreturn]] void refuse(const string& text) const;

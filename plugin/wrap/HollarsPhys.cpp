@@ -120,23 +120,28 @@ bool Law2_ScGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
     if (geom.penetrationDepth < 0 || excluded) {
         phys.kn = phys.ks = 0;
         phys.normalForce = phys.shearForce = Vector3r::Zero();
+        phys.dampingForce = 0;
         return excluded; // an excluded pair stays, without force
     }
     // A cable has no twist to take a torque: forces act at its centreline, and velocities are taken there.
     const Vector3r at = p1 ? b1.state->pos : p2 ? b2.state->pos : geom.contactPoint;
     const Vector3r slip = velocityAt(*b1.state, at) - velocityAt(*b2.state, p1 && p2 ? b2.state->pos : at);
     const ancf_normal law = phys.normalLaw();
-    const Real rate = slip.dot(geom.normal), force = ancf_normal_force(&law, geom.penetrationDepth, rate);
+    // The damping of a cable's contact is solved for by its engine, like friction.
+    const Real rate = p1 || p2 ? 0 : slip.dot(geom.normal);
+    const Real force = ancf_normal_force(&law, geom.penetrationDepth, rate);
     phys.kn = ancf_normal_tangent(&law, geom.penetrationDepth);
     phys.normalForce = force * geom.normal;
-    if (scene->trackEnergy) {
+    if (scene->trackEnergy && (p1 || p2)) {
+        scene->energy->add(ancf_normal_energy(&law, geom.penetrationDepth), "contactElastic", elasticIx, true);
+    } else if (scene->trackEnergy) {
         const ancf_normal elastic = {law.kind, law.stiffness, law.exponent, 0};
         trackNormal(ancf_normal_force(&elastic, geom.penetrationDepth, 0), force, rate,
                     ancf_normal_energy(&law, geom.penetrationDepth));
     }
     const ancf_friction rub = phys.frictionLaw();
     phys.ks = force * ancf_friction_slope(&rub) / scene->dt;
-    if (p1 || p2) return true; // CableEngine does the rest
+    if (p1 || p2) return true;
 
     const Vector3r tangential = slip - rate * geom.normal;
     const Real speed = tangential.norm();

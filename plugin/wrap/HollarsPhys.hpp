@@ -31,6 +31,7 @@ public:
         ((Real, staticFriction, 0, , "$\\mu_s$ [-]."))
         ((Real, kineticFriction, 0, , "$\\mu_k$ [-]."))
         ((Real, transitionVelocity, 1e-3, , "$v_{t0}$ [m/s]."))
+        ((Real, dampingForce, 0, Attr::hidden, "Damping part of a cable's normal force in the last step [N]."))
         ((int, normalKind, 2, Attr::hidden, "Which normal force the law computes."))
         ((int, frictionKind, 2, Attr::hidden, "Which friction the law computes.")),
         createIndex();

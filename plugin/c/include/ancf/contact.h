@@ -33,9 +33,11 @@ typedef struct {
     const ancf_point* other; // what it touches: a cable (or NULL),
     ancf_partner* partner;   // a body (or NULL), or both: a body that moves with a knot and turns on its own
     double normal[3];        // unit vector
-    double normal_force;     // >= 0 [N]
+    double normal_force;     // elastic part, >= 0 [N]
+    double normal_damping;   // its dashpot c [N s/m], which acts at the new velocity too; 0: none
     const ancf_friction* law;
-    double friction[3]; // in: first guess. out: force on `point` [N]; its opposite acts on the other side
+    double friction[3];   // in: first guess. out: force on `point` [N]; its opposite acts on the other side
+    double damping_force; // in: first guess. out: what the dashpot adds to normal_force, the sum never below 0 [N]
 } ancf_contact;
 
 // Sets element, xi, place and S.
@@ -61,8 +63,8 @@ static inline void ancf_point_add_force(const ancf_model* m, double* force, cons
         for (int k = 0; k < 4; ++k) force[c * m->stride + point->place[k]] += point->S[k] * F[c];
 }
 
-// Solves the friction of n contacts for a kick of length dt [s]. velocity (3 x stride): in the free velocity, out the
-// velocity after friction. Returns the number of sweeps.
+// Solves friction and damping of n contacts for a kick of length dt [s]. velocity (3 x stride): in the free velocity,
+// out the velocity after friction. Returns the number of sweeps.
 int ancf_contact_solve(const ancf_model* m, ancf_contact* table, int n, double dt, double* velocity);
 
 #endif
