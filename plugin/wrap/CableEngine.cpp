@@ -118,7 +118,7 @@ bool CableEngine::adjacent(int e1, int e2) const {
 void CableEngine::changed() {
     model.reset();
     pairsChecked = false;
-    trackedIter = -1;
+    trackedIter = -2;
 }
 
 void CableEngine::checkNode(int node, const char* what) const {
