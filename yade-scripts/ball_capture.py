@@ -34,7 +34,11 @@ DURATION = 1.5  # [s]
 ASSUMED = dict(
     diameter=1e-3,  # of the cables [m]
     density=1440.0,  # of the cables [kg/m3]
-    fold=0.65,  # size of the folded net as part of the open one, see below
+    # Size of the folded net as part of the open one. Of folds from 0.05 to 0.9, the one that still
+    # holds the ball at 1.5 s: the net opens early, closes before the ball and wraps it from the
+    # front. Nets folded smaller open at 0.5 s, wrap at 0.9 to 1.3 s, and their elastic recoil takes
+    # the bullets back before the end.
+    fold=0.65,
     bulletRadius=0.0165,  # 50 g of aluminium [m]
     ballYoung=70e9,  # [Pa]
     ballPoisson=0.33,
@@ -113,7 +117,9 @@ class Capture:
         self.duration, self.steps = duration, int(np.ceil(duration / O.dt))
         self.every = max(1, round(SAMPLE / O.dt))
         form = "{desc} {percentage:3.0f}% |{bar}| {n:.2f}/{total:.2f} s simulated"
-        self.bar = tqdm(total=duration, desc=title, leave=False, bar_format=form, mininterval=0.3)
+        self.bar = tqdm(
+            total=duration, desc=title, leave=False, bar_format=form, mininterval=0.3, disable=None
+        )
         O.trackEnergy = True
 
     def sample(self):
@@ -141,8 +147,10 @@ class Capture:
 
     @property
     def deployed(self):
-        """Time of the largest mouth area [s]."""
-        return self.history.time[int(np.argmax(self.history.area))]
+        """Time of the largest mouth area before the first contact [s]."""
+        touching = np.flatnonzero(self.contacts)
+        free = self.history.area[: touching[0]] if len(touching) else self.history.area
+        return self.history.time[int(np.argmax(free))]
 
     @property
     def firstContact(self):
