@@ -623,7 +623,7 @@ def measureAll(quick):
         for kind in KINDS[test]:
             isOurs = kind.startswith("ours")
             sizes = SIZES[test][isOurs]
-            for n in sizes[:2] if quick else sizes:
+            for n in sizes[:2] if quick and not isOurs else sizes:
                 if isOurs:
                     wall, error = own("springs" if "springs" in kind else "ancf", n)
                 else:
