@@ -337,7 +337,18 @@ static double axial_energy(const ancf_model* m, int e, const double g0[3], const
     return 0.5 * m->ea_length[e] * sum;
 }
 
+// EI/2 int |r''|^2 ds, in closed form.
+static double fast_bending_energy(double ei_length, const double g0[3], const double d[3], const double g1[3]) {
+    double sum = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        const double u = g0[c] - d[c], v = g1[c] - d[c];
+        sum += u * u + v * v + u * v;
+    }
+    return 2.0 * ei_length * sum;
+}
+
 static double bending_energy(const ancf_model* m, int e, const double g0[3], const double d[3], const double g1[3]) {
+    if (!(m->element[e].kind & ANCF_CURVATURE_EXACT)) return fast_bending_energy(m->ei_length[e], g0, d, g1);
     double sum = 0.0;
     for (int p = 0; p < 3; ++p) {
         double s[3], t[3], r[3], k[3];
@@ -348,7 +359,7 @@ static double bending_energy(const ancf_model* m, int e, const double g0[3], con
             k[c] = t[0] * g0[c] + t[1] * d[c] + t[2] * g1[c];
         }
         const double P = dot(r, r), R = dot(r, k), Q = dot(k, k);
-        sum += gauss3_weight[p] * (m->element[e].kind & ANCF_CURVATURE_EXACT ? (Q - R * R / P) / P : Q);
+        sum += gauss3_weight[p] * (Q - R * R / P) / P;
     }
     return 0.5 * m->ei_length[e] * sum;
 }

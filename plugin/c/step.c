@@ -16,6 +16,7 @@ ANCF_CLONES static void add_scaled(double* sum, const double* a, double factor, 
 // m->f = all forces but contact at a state.
 static void total_force(ancf_model* m, const double* x, const double* v) {
     ancf_elastic_force(m, m->f, x, v);
+    if (m->track) memcpy(m->work + 6 * m->stride, m->f, field_size(m)); // for note_damping
     add_scaled(m->f, m->f, 1.0, m->external, 3 * m->stride);
     ancf_model_join(m, m->f);
     for (int c = 0; c < 3; ++c) // joined already
@@ -66,14 +67,14 @@ void ancf_predict(ancf_model* m, const ancf_time* time, const double* contact) {
     set_held(m, m->free);
 }
 
-// What the Kelvin-Voigt forces take out in a kick, to the last bit of the scheme: their work on the mean velocity.
+// What the Kelvin-Voigt forces take out in a kick, to the last bit of the scheme: their work on the mean velocity. The
+// forces are what total_force kept less the elastic ones.
 static void note_damping(ancf_model* m) {
     const int n = 3 * m->stride;
     double *damping = m->work + 2 * n, *elastic = damping + n, *before = elastic + n, *rest = before + n;
     if (!m->track) return;
     memset(rest, 0, field_size(m));
     memcpy(before, m->v, field_size(m));
-    ancf_elastic_force(m, damping, m->x, m->v);
     ancf_elastic_force(m, elastic, m->x, rest);
     for (int i = 0; i < n; ++i) damping[i] -= elastic[i];
 }
@@ -102,8 +103,8 @@ static void substep(ancf_model* m, const ancf_time* time) {
     }
     for (int s = 1; s < time->substeps; ++s) {
         for (int i = 0; i < n; ++i) m->a[i] = 0.0; // what is held moves evenly after the first
-        note_damping(m);
         ancf_acceleration(m, m->x, m->v);
+        note_damping(m);
         for (int i = 0; i < n; ++i) {
             m->v[i] += step * m->a[i];
             force[i] += step * m->f[i];
@@ -148,6 +149,7 @@ void ancf_rk4(ancf_model* m, double step) {
     memcpy(v0, m->v, field_size(m));
     memset(dx, 0, 2 * field_size(m));
     accelerate_held(m, step);
+    m->track = false; // its work is not counted, and m->work is taken
     for (int s = 0; s < 4; ++s) {
         // v and m->a hold the rates of the stage before.
         for (int i = 0; i < n; ++i) {

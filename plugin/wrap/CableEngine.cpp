@@ -442,8 +442,7 @@ void CableEngine::makeNeighbours() {
 
 // The contacts as they stand allow a step of 2/sqrt of the largest row sum of stiffness over mass.
 void CableEngine::checkContacts() {
-    constexpr long interval = 10;
-    if (rows.empty() || scene->iter % interval != 0) return;
+    if (rows.empty()) return;
     const auto eachEnd = [&](size_t row, const auto& f) {
         for (const ancf_point* p : {table[row].point, table[row].other})
             if (p && p >= points.data() && p < points.data() + points.size()) f(p - points.data());
