@@ -5,6 +5,7 @@
 void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end) {
     energy->kinetic = energy->gravity = 0.0;
     ancf_elastic_energy(&energy->axial, &energy->bending, m, m->x, begin, end);
+    const bool falls = m->gravity[0] != 0.0 || m->gravity[1] != 0.0 || m->gravity[2] != 0.0;
     for (int e = begin; e < end; ++e) {
         double M[4][4];
         int dof[4];
@@ -17,7 +18,7 @@ void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end
                 double momentum = diagonal ? M[i][i] * v[dof[i]] : 0.0;
                 for (int j = 0; j < 4 && !diagonal; ++j) momentum += M[i][j] * v[dof[j]];
                 energy->kinetic += 0.5 * v[dof[i]] * momentum;
-                if (m->gravity[c] != 0.0) energy->gravity -= m->gravity[c] * (M[i][0] + M[i][2]) * x[dof[i]];
+                if (falls) energy->gravity -= m->gravity[c] * (M[i][0] + M[i][2]) * x[dof[i]];
             }
         }
     }

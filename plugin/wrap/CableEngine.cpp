@@ -855,16 +855,18 @@ void CableEngine::trackEnergy() {
     lastElastic = elastic;
     trackedIter = scene->iter;
     Real lifted = 0;
-    for (int c = 0; c < 3; ++c) // without carried masses, which NewtonIntegrator counts
-        for (int i = 0; i < model->n_dof; ++i) {
-            const Real moved = time.step * model->v[c * model->stride + i];
-            const bool copy = i >= nNodes + nElements() && next[i - nNodes - nElements()] >= 0;
-            if (!copy) lifted -= gravity[c] * model->weight[i] * moved;
-        }
-    for (size_t i = 0; i < carryNodes.size(); ++i)
-        if (carrierOfBody[carryIds[i]] >= 0)
-            lifted += time.step * (*scene->bodies)[carryIds[i]]->state->mass *
-                      gravity.dot(ofNode(model.get(), model->v, carryNodes[i]));
+    if (gravity != Vector3r::Zero()) {
+        for (int c = 0; c < 3; ++c) // without carried masses, which NewtonIntegrator counts
+            for (int i = 0; i < model->n_dof; ++i) {
+                const Real moved = time.step * model->v[c * model->stride + i];
+                const bool copy = i >= nNodes + nElements() && next[i - nNodes - nElements()] >= 0;
+                if (!copy) lifted -= gravity[c] * model->weight[i] * moved;
+            }
+        for (size_t i = 0; i < carryNodes.size(); ++i)
+            if (carrierOfBody[carryIds[i]] >= 0)
+                lifted += time.step * (*scene->bodies)[carryIds[i]]->state->mass *
+                          gravity.dot(ofNode(model.get(), model->v, carryNodes[i]));
+    }
     tracker.add(lifted, "gravWork", gravityIx, false);
     tracker.add(model->damping_work, "cableDamping", dampingIx, false);
     Real rubbed = 0, damped = 0;
