@@ -39,7 +39,7 @@ ASSUMED = dict(
     # front. Nets folded smaller open at 0.5 s, wrap at 0.9 to 1.3 s, and their elastic recoil takes
     # the bullets back before the end.
     fold=0.65,
-    bulletRadius=0.0165,  # 50 g of aluminium [m]
+    bulletRadius=0.01,  # [m]
     ballYoung=70e9,  # [Pa]
     ballPoisson=0.33,
     alpha=0.2,  # damping of the normal force [s/m]
