@@ -18,8 +18,10 @@
 #include <cstring>
 #include <dlfcn.h>
 #include <functional>
+#include <limits>
 #include <link.h>
 #include <malloc.h>
+#include <memory>
 #include <sys/uio.h>
 #include <unistd.h>
 
@@ -48,27 +50,29 @@ namespace {
 
     // ---- sizes
 
-    size_t usableSize(long bytes) {
-        void* block = std::malloc(static_cast<size_t>(bytes));
-        const size_t usable = malloc_usable_size(block);
-        std::free(block);
-        return usable;
-    }
+    constexpr int attempts = 32;
 
-    // The allocator now and then hands out a little more than was asked for; the least of a few is exact.
-    template <class Get> size_t leastOf(Get get) {
-        size_t least = get();
-        for (int i = 0; i < 3; ++i) least = std::min(least, get());
+    // What the allocator gives for so many bytes. Now and then it hands out a little more: the least of many is exact,
+    // if none is given back in between.
+    size_t usableSize(long bytes) {
+        std::vector<std::unique_ptr<void, decltype(&std::free)>> kept;
+        size_t least = std::numeric_limits<size_t>::max();
+        for (int i = 0; i < attempts; ++i) {
+            kept.emplace_back(std::malloc(static_cast<size_t>(bytes)), &std::free);
+            least = std::min(least, malloc_usable_size(kept.back().get()));
+        }
         return least;
     }
 
     bool sizeHolds(const std::string& className, long bytes) {
+        const size_t expected = usableSize(bytes);
         std::vector<shared_ptr<Serializable>> kept;
-        const size_t actual = leastOf([&] {
+        for (int i = 0; i < attempts; ++i) {
             kept.push_back(make(className));
-            return malloc_usable_size(startOf(kept.back()));
-        });
-        return actual == leastOf([&] { return usableSize(bytes); });
+            const size_t actual = malloc_usable_size(startOf(kept.back()));
+            if (actual <= expected) return actual == expected;
+        }
+        return false;
     }
 
     template <class C> void addSize(Facts& facts, const std::string& className) {
