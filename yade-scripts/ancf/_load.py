@@ -96,7 +96,15 @@ def _load():
     omega = wrapper.Omega()
     if omega.running:
         raise ImportError("ancf cannot be loaded while a simulation runs: O.pause() first")
-    _ancf = importlib.import_module("._ancf", __package__)
+    try:
+        _ancf = importlib.import_module("._ancf", __package__)
+    except ModuleNotFoundError as error:
+        if error.name != f"{__package__}._ancf":
+            raise
+        raise ImportError(
+            "ancf: its compiled part is not here; build it by `cmake --preset default && cmake --build "
+            "--preset default`, then run with PYTHONPATH=build/python, or `cmake --install build`"
+        ) from None
     _refreshDispatchers(omega.engines)
     return {name: getattr(wrapper, name) for name in _ancf.classNames}
 
