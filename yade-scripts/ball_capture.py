@@ -50,6 +50,7 @@ ASSUMED = dict(
     gravity=0.0,  # [m/s2]
 )
 MASS = "lumped"
+SELF_CONTACT = True  # cables of the net do not pass through each other
 
 SAMPLE = 5e-3  # time between two samples [s]
 STRIP_TIMES = (0.25, 0.7, 1.1, 1.4)  # of the pictures [s]
@@ -92,6 +93,7 @@ def build(nudge):
         mass=MASS,
         normal=(1, 0, 0),
         fold=a["fold"],
+        selfContact=SELF_CONTACT,
     )
     net.addBullets(
         BULLET_MASS,
@@ -218,7 +220,7 @@ def head():
     print(f"{CONTACT_POINTS} contact points in each; E = {YOUNG:g} Pa, nu = {POISSON}")
     print(f"  bullets 4 x {BULLET_MASS} kg at {BULLET_SPEED} m/s, {BULLET_ANGLE} deg;", end=" ")
     print(f"ball of radius {BALL_RADIUS} m at {TARGET_DISTANCE} m")
-    print(f"  assumed, not given by the study: mass = {MASS}")
+    print(f"  assumed, not given by the study: mass = {MASS}, self-contact = {SELF_CONTACT}")
     for name, value in ASSUMED.items():
         print(f"    {name} = {value:g}")
     print(flush=True)

@@ -5,6 +5,13 @@
 void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end) {
     energy->kinetic = energy->gravity = 0.0;
     ancf_elastic_energy(&energy->axial, &energy->bending, m, m->x, begin, end);
+    if (begin == 0 && end == m->n_elements && ancf_mass_diagonal(m)) {
+        energy->kinetic = ancf_mass_kinetic(m);
+        for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < m->n_nodes && m->gravity[c] != 0.0; ++i)
+                energy->gravity -= m->gravity[c] * ancf_mass_of_node(m, i) * m->x[c * m->stride + i];
+        return;
+    }
     const bool falls = m->gravity[0] != 0.0 || m->gravity[1] != 0.0 || m->gravity[2] != 0.0;
     for (int e = begin; e < end; ++e) {
         double M[4][4];

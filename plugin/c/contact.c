@@ -7,7 +7,7 @@
 // A warm start leaves changes of 1e-3 and less, which a sweep shortens by a twentieth where many contacts share few
 // unknowns: more sweeps buy little that the next step does not. On Stribeck's falling branch neighbours can free and
 // catch each other without end; they would take any number.
-enum { SWEEPS_MAX = 12 };
+enum { SWEEPS_MAX = 6 };
 
 // Part of the largest friction force below which a sweep's changes end the solve.
 static const double tolerance = 1e-8;

@@ -15,6 +15,7 @@ struct ancf_mass {
     bool held;          // something is held that has mass
     double* inverse;    // (stride) 1/M, 0 where held or massless; diagonal only
     double* added;      // (n_nodes) [kg]
+    double* own;        // (stride) diagonal of the elements alone, copies of a shared slope apart
     int* row;           // (stride) row of an unknown in the factor, or -1
     int n;              // rows
     int *begin, *index; // columns of L below the diagonal, each sorted
@@ -58,6 +59,7 @@ static void find_diagonal(double* mass, const ancf_model* m) {
         ancf_model_dofs(dof, m, e);
         for (int i = 0; i < 4; ++i) mass[dof[i]] += M[i][i];
     }
+    memcpy(m->mass->own, mass, (size_t)m->stride * sizeof *mass);
     for (int i = 0; i < m->n_nodes; ++i) mass[i] += m->mass->added[i];
     double *start = mass + m->n_nodes, *end = start + m->n_elements;
     for (int e = 0; e < m->n_elements; ++e)
@@ -229,10 +231,12 @@ ancf_error ancf_mass_create(ancf_model* m, const double* added) {
     if (!mass) return ANCF_E_MEMORY;
     mass->inverse = calloc((size_t)m->stride, sizeof *mass->inverse);
     mass->added = calloc((size_t)m->n_nodes, sizeof *mass->added);
+    mass->own = calloc((size_t)m->stride, sizeof *mass->own);
     mass->row = calloc((size_t)m->stride, sizeof *mass->row);
     mass->slope_flex = calloc((size_t)m->n_elements, sizeof *mass->slope_flex);
     mass->push = calloc(6 * (size_t)m->n_elements, sizeof *mass->push);
-    if (!mass->inverse || !mass->added || !mass->row || !mass->slope_flex || !mass->push) return ANCF_E_MEMORY;
+    if (!mass->inverse || !mass->added || !mass->own || !mass->row || !mass->slope_flex || !mass->push)
+        return ANCF_E_MEMORY;
     if (added) memcpy(mass->added, added, (size_t)m->n_nodes * sizeof *added);
 
     double* diagonal = m->work;
@@ -259,6 +263,7 @@ void ancf_mass_destroy(ancf_mass* mass) {
     if (!mass) return;
     free(mass->inverse);
     free(mass->added);
+    free(mass->own);
     free(mass->row);
     free(mass->begin);
     free(mass->index);
@@ -271,6 +276,17 @@ void ancf_mass_destroy(ancf_mass* mass) {
     free(mass->load);
     free(mass);
 }
+
+ANCF_CLONES double ancf_mass_kinetic(const ancf_model* m) {
+    double twice = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        const double *v = m->v + c * m->stride, *own = m->mass->own;
+        for (int i = 0; i < m->n_dof; ++i) twice += own[i] * v[i] * v[i];
+    }
+    return 0.5 * twice;
+}
+
+double ancf_mass_of_node(const ancf_model* m, int node) { return m->mass->own[node]; }
 
 bool ancf_mass_diagonal(const ancf_model* m) { return m->mass->diagonal; }
 

@@ -23,6 +23,12 @@ void ancf_mass_multiply(const ancf_model* m, double* product, const double* fiel
 int ancf_mass_response_size(const ancf_model* m);
 int ancf_mass_response(const ancf_model* m, int* dof, double* value, double* compliance, int element, double xi);
 
+// Kinetic energy of all elements, added masses left out [J]; only where the matrix is diagonal.
+double ancf_mass_kinetic(const ancf_model* m);
+
+// A node's share of it [kg].
+double ancf_mass_of_node(const ancf_model* m, int node);
+
 // True if the whole matrix is diagonal.
 bool ancf_mass_diagonal(const ancf_model* m);
 
