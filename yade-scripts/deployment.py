@@ -7,15 +7,13 @@ out/deployment/.
 
 import argparse
 import csv
-import multiprocessing
 import pathlib
-import sys
 
 import numpy as np
-from tqdm import tqdm
 
 import ancf
 import ball_capture as given
+from net_study import runAll
 from yade import O, Vector3, utils
 
 # ---- parameters, SI units; the rest is ball_capture's --------------------------------------------
@@ -114,14 +112,6 @@ def fly(job):
     raise RuntimeError(f"{job}: no step is short enough")
 
 
-def flyAll(jobs, workers, title):
-    if workers == 1:
-        return [fly(j) for j in tqdm(jobs, desc=title, file=sys.stdout, leave=False)]
-    with multiprocessing.get_context("fork").Pool(workers) as pool:
-        done = pool.imap(fly, jobs)
-        return list(tqdm(done, total=len(jobs), desc=title, file=sys.stdout, leave=False))
-
-
 def plot(series, grid, file):
     """series: {parameter: [Flight, ...]}; grid: [Flight, ...] with the ball."""
     from ancf.plots import plt
@@ -200,9 +190,9 @@ def main():
         "speed": [(m, x, a) for x in SPEEDS[thin]],
         "angle": [(m, v, x) for x in ANGLES[thin]],
     }
-    series = {k: flyAll(jobs, args.workers, f"varied {k}") for k, jobs in series.items()}
+    series = {k: runAll(fly, jobs, args.workers, f"varied {k}") for k, jobs in series.items()}
     speeds, angles = (MAP_SPEEDS[2:3], MAP_ANGLES[4:5]) if args.quick else (MAP_SPEEDS, MAP_ANGLES)
-    grid = flyAll([(m, s, x, True) for s in speeds for x in angles], args.workers, "map")
+    grid = runAll(fly, [(m, s, x, True) for s in speeds for x in angles], args.workers, "map")
     with open(args.out / "deployment.csv", "w", newline="", encoding="utf-8") as file:
         out = csv.writer(file)
         out.writerow(

@@ -220,12 +220,12 @@ def makeRun(job):
     raise RuntimeError(f"{job[:3]}: no step is short enough")
 
 
-def runAll(jobs, workers, title):
-    """Runs of all jobs, in their order, with a bar."""
+def runAll(make, jobs, workers, title):
+    """make(job) of all jobs, in their order, with a bar."""
     if workers == 1:
-        return [makeRun(job) for job in tqdm(jobs, desc=title, file=sys.stdout, leave=False)]
+        return [make(job) for job in tqdm(jobs, desc=title, file=sys.stdout, leave=False)]
     with multiprocessing.get_context("fork").Pool(workers, maxtasksperchild=8) as pool:
-        done = pool.imap(makeRun, jobs, chunksize=1)
+        done = pool.imap(make, jobs, chunksize=1)
         return list(tqdm(done, total=len(jobs), desc=title, file=sys.stdout, leave=False))
 
 
@@ -456,7 +456,7 @@ def study(folder, runs, workers, duration, targets, models, more=True):
     for target, model in cases:
         many = min(runs, FEW.get(model, runs))
         jobs += [(target, model, k, duration, pictures if k == 0 else ()) for k in range(many + 1)]
-    done = runAll(jobs, workers, "captures")
+    done = runAll(makeRun, jobs, workers, "captures")
     result = {case: [r for r in done if (r.target, r.model) == case] for case in cases}
     table(result, folder)
     answer = differences(result, folder / "differences.csv")

@@ -83,7 +83,7 @@ public:
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR(Law2_ScGeom_HollarsPhys_Hollars, LawFunctor,
         "Normal force by Table 1 and friction by Eq. 11 of Shan, Guo and Gill (2019). Where a :yref:`CablePoint` takes "
-        "part, its :yref:`CableEngine` adds the friction, solved at the new velocity, and passes both on; elsewhere "
+        "part, its :yref:`CableEngine` adds damping and friction, solved at the new velocity, and passes all on; elsewhere "
         "the law solves friction with the reduced mass of the two bodies.",
         ((string, normal, "nonlinear", Attr::triggerPostLoad, "'nonlinear' (Hunt-Crossley), 'hertz' or 'linear' (spring-dashpot)."))
         ((string, friction, "hollars", Attr::triggerPostLoad, "'hollars', 'coulomb' (regularised below $v_{t0}$) or 'none'.")),

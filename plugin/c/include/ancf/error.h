@@ -16,7 +16,6 @@
     X(ANCF_E_STATE, "a position, slope or velocity is not finite")                                                     \
     X(ANCF_E_FACTOR, "the mass matrix could not be factored")                                                          \
     X(ANCF_E_LAW, "the parameters of a contact or friction law are out of range")                                      \
-    X(ANCF_E_STEP, "the time step must be finite and above zero")                                                      \
     X(ANCF_E_GROOVE, "a groove needs finite sizes, a slope above 0 to pi/2, and walls that reach above its fillet")    \
     X(ANCF_E_INERTIA, "inertia must be finite and above zero")                                                         \
     X(ANCF_E_BEARING, "viscous and dry friction must be finite and not below zero")                                    \
