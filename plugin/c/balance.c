@@ -2,33 +2,37 @@
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
 
+static double kinetic_of(const ancf_model* m, int e) {
+    double M[4][4], sum = 0.0;
+    int dof[4];
+    ancf_mass_element(M, &m->element[e]);
+    ancf_model_dofs(dof, m, e);
+    for (int c = 0; c < 3; ++c) {
+        const double* v = m->v + c * m->stride;
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) sum += 0.5 * v[dof[i]] * M[i][j] * v[dof[j]];
+    }
+    return sum;
+}
+
+static double gravity_of(const ancf_model* m, int e) {
+    double w[4], sum = 0.0;
+    int dof[4];
+    ancf_mass_weight(w, &m->element[e]);
+    ancf_model_dofs(dof, m, e);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 4; ++i) sum -= m->gravity[c] * w[i] * m->x[c * m->stride + dof[i]];
+    return sum;
+}
+
 void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end) {
-    energy->kinetic = energy->gravity = 0.0;
-    ancf_elastic_energy(&energy->axial, &energy->bending, m, m->x, begin, end);
-    if (begin == 0 && end == m->n_elements && ancf_mass_diagonal(m)) {
-        energy->kinetic = ancf_mass_kinetic(m);
-        for (int c = 0; c < 3; ++c)
-            for (int i = 0; i < m->n_nodes && m->gravity[c] != 0.0; ++i)
-                energy->gravity -= m->gravity[c] * ancf_mass_of_node(m, i) * m->x[c * m->stride + i];
-        return;
-    }
+    const bool whole = begin == 0 && end == m->n_elements && ancf_mass_diagonal(m);
     const bool falls = m->gravity[0] != 0.0 || m->gravity[1] != 0.0 || m->gravity[2] != 0.0;
-    for (int e = begin; e < end; ++e) {
-        double M[4][4];
-        int dof[4];
-        ancf_mass_element(M, &m->element[e]);
-        ancf_model_dofs(dof, m, e);
-        const bool diagonal = m->element[e].kind & (ANCF_LUMPED | ANCF_SPRING);
-        for (int c = 0; c < 3; ++c) {
-            const double *x = m->x + c * m->stride, *v = m->v + c * m->stride;
-            for (int i = 0; i < 4; ++i) {
-                double momentum = diagonal ? M[i][i] * v[dof[i]] : 0.0;
-                for (int j = 0; j < 4 && !diagonal; ++j) momentum += M[i][j] * v[dof[j]];
-                energy->kinetic += 0.5 * v[dof[i]] * momentum;
-                if (falls) energy->gravity -= m->gravity[c] * (M[i][0] + M[i][2]) * x[dof[i]];
-            }
-        }
-    }
+    energy->kinetic = whole ? ancf_mass_kinetic(m) : 0.0;
+    energy->gravity = 0.0;
+    ancf_elastic_energy(&energy->axial, &energy->bending, m, m->x, begin, end);
+    for (int e = begin; e < end && !whole; ++e) energy->kinetic += kinetic_of(m, e);
+    for (int e = begin; e < end && falls; ++e) energy->gravity += gravity_of(m, e);
 }
 
 // The sum over both copies of a shared slope would count it twice: only the start's is taken.

@@ -50,6 +50,13 @@ void ancf_mass_element(double M[4][4], const ancf_element* el) {
         for (int j = 0; j < 4; ++j) M[i][j] = m * exact[i][j];
 }
 
+void ancf_mass_weight(double w[4], const ancf_element* el) {
+    const double L = el->length, m = el->rho_a * L;
+    w[0] = w[2] = m / 2.0;
+    w[1] = el->kind & ANCF_SPRING ? 0.0 : m * L / 12.0;
+    w[3] = -w[1];
+}
+
 // Mass of every unknown if the matrix is diagonal, shared slopes joined.
 static void find_diagonal(double* mass, const ancf_model* m) {
     for (int e = 0; e < m->n_elements; ++e) {
@@ -286,7 +293,7 @@ ANCF_CLONES double ancf_mass_kinetic(const ancf_model* m) {
     return 0.5 * twice;
 }
 
-double ancf_mass_of_node(const ancf_model* m, int node) { return m->mass->own[node]; }
+double ancf_mass_added(const ancf_model* m, int node) { return m->mass->added[node]; }
 
 bool ancf_mass_diagonal(const ancf_model* m) { return m->mass->diagonal; }
 
@@ -469,28 +476,4 @@ void ancf_mass_multiply(const ancf_model* m, double* product, const double* fiel
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < m->n_nodes; ++i) product[c * m->stride + i] += m->mass->added[i] * field[c * m->stride + i];
     ancf_model_join(m, product);
-}
-
-int ancf_mass_response_size(const ancf_model* m) { return m->mass->diagonal ? 6 : m->n_dof; }
-
-int ancf_mass_response(const ancf_model* m, int* dof, double* value, double* compliance, int element, double xi) {
-    const double ex[3] = {1.0, 0.0, 0.0};
-    double *force = m->work, *response = m->work + 3 * m->stride;
-    memset(m->work, 0, 6 * (size_t)m->stride * sizeof *m->work);
-    ancf_model_add_force(m, force, element, xi, ex);
-    ancf_model_join(m, force);
-    ancf_mass_solve(m, response, force);
-    int n = 0;
-    double largest = 0.0;
-    for (int i = 0; i < m->n_dof; ++i) largest = fmax(largest, fabs(response[i]));
-    for (int i = 0; i < m->n_dof; ++i)
-        if (fabs(response[i]) > 1e-13 * largest) {
-            dof[n] = i;
-            value[n++] = response[i];
-        }
-    double at[3];
-    ancf_model_at(at, m, response, element, xi);
-    *compliance = at[0];
-    memset(m->work, 0, 6 * (size_t)m->stride * sizeof *m->work);
-    return n;
 }

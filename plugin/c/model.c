@@ -150,13 +150,20 @@ static void find_ends(ancf_model* m) {
     m->first[0] = 0;
 }
 
-// Gravity acts as M times a uniform acceleration, so that a free cable falls without strain, lumped or not.
+// Gravity acts on the true curve, so that a cable sags the same however its mass is lumped.
 static void weigh(ancf_model* m) {
-    double *one = m->work, *product = m->work + 3 * m->stride;
-    for (int i = 0; i < m->n_nodes; ++i) one[i] = 1.0;
-    ancf_mass_multiply(m, product, one);
-    memcpy(m->weight, product, (size_t)m->n_dof * sizeof *m->weight);
-    for (int i = 0; i < m->n_nodes; ++i) one[i] = 0.0;
+    for (int e = 0; e < m->n_elements; ++e) {
+        double w[4];
+        int dof[4];
+        ancf_mass_weight(w, &m->element[e]);
+        ancf_model_dofs(dof, m, e);
+        for (int i = 0; i < 4; ++i) m->weight[dof[i]] += w[i];
+    }
+    for (int i = 0; i < m->n_nodes; ++i) m->weight[i] += ancf_mass_added(m, i);
+    for (int k = 0; k < m->n_shared; ++k) {
+        double *start = m->weight + m->shared[2 * k], *end = m->weight + m->shared[2 * k + 1];
+        *start = *end = *start + *end;
+    }
 }
 
 ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x, double* v, int* where) {

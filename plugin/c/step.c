@@ -1,5 +1,4 @@
 #include "ancf/step.h"
-#include "ancf/contact.h"
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
 #include "internal.h"
@@ -49,21 +48,12 @@ static void set_held(const ancf_model* m, double* v) {
         }
 }
 
-void ancf_predict(ancf_model* m, const ancf_time* time, const double* contact) {
-    const int n = 3 * m->stride;
+void ancf_predict(ancf_model* m, const ancf_time* time) {
     const double kick = substep_kick(time), step = time->step / time->substeps;
     accelerate_held(m, kick);
     total_force(m, m->x, m->v);
-    if (contact && time->substeps == 1) add_scaled(m->f, m->f, 1.0, contact, n);
     ancf_mass_solve(m, m->a, m->f);
-    add_scaled(m->free, m->v, kick + 0.5 * (time->step - step), m->a, n);
-    if (time->substeps > 1) {
-        memset(m->kick, 0, field_size(m));
-        if (contact) {
-            ancf_mass_solve(m, m->kick, contact);
-            add_scaled(m->free, m->free, ancf_kick(time), m->kick, n);
-        }
-    }
+    add_scaled(m->free, m->v, kick + 0.5 * (time->step - step), m->a, 3 * m->stride);
     set_held(m, m->free);
 }
 
@@ -119,7 +109,7 @@ static void substep(ancf_model* m, const ancf_time* time) {
     }
 }
 
-void ancf_correct(ancf_model* m, const ancf_time* time, const double* after) {
+void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift) {
     const int n = 3 * m->stride;
     const double kick = substep_kick(time), step = time->step / time->substeps, whole = ancf_kick(time);
     note_damping(m);
@@ -127,18 +117,17 @@ void ancf_correct(ancf_model* m, const ancf_time* time, const double* after) {
         if (after != m->free)
             for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / whole;
         memcpy(m->v, after, field_size(m));
-        track_damping(m, kick);
-        add_scaled(m->x, m->x, step, m->v, n);
-        return;
+    } else {
+        for (int i = 0; i < n; ++i) {
+            m->kick[i] = (after[i] - m->free[i]) / whole;
+            m->v[i] += kick * m->a[i] + whole * m->kick[i];
+        }
+        set_held(m, m->v);
     }
-    for (int i = 0; i < n; ++i) {
-        m->kick[i] += (after[i] - m->free[i]) / whole;
-        m->v[i] += kick * m->a[i] + whole * m->kick[i];
-    }
-    set_held(m, m->v);
     track_damping(m, kick);
     add_scaled(m->x, m->x, step, m->v, n);
-    substep(m, time);
+    if (shift) add_scaled(m->x, m->x, 1.0, shift, n);
+    if (time->substeps > 1) substep(m, time);
 }
 
 void ancf_rk4(ancf_model* m, double step) {
@@ -170,11 +159,7 @@ void ancf_rk4(ancf_model* m, double step) {
     }
 }
 
-void ancf_add_contact(ancf_model* m, const ancf_time* time, const ancf_point* point, const double force[3]) {
-    const double share = ancf_kick(time) / acting_time(time);
-    const double F[3] = {share * force[0], share * force[1], share * force[2]};
-    ancf_point_add_force(m, m->f, point, F);
-}
+double ancf_acting(const ancf_time* time) { return acting_time(time); }
 
 void ancf_reaction(double force[3], const ancf_model* m, int dof) {
     for (int c = 0; c < 3; ++c) force[c] = -m->f[c * m->stride + dof];

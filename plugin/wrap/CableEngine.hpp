@@ -2,9 +2,7 @@
 // The cables and nets of a scene: holds their state, moves them and what they carry.
 #pragma once
 
-#include "CablePoint.hpp"
-#include "HollarsPhys.hpp"
-#include "Mobility.hpp"
+#include "CableContacts.hpp"
 
 #include <core/GlobalEngine.hpp>
 #include <core/Scene.hpp>
@@ -12,7 +10,6 @@
 #include <memory>
 
 extern "C" {
-#include "ancf/contact.h"
 #include "ancf/model.h"
 #include "ancf/step.h"
 }
@@ -20,96 +17,63 @@ extern "C" {
 namespace yade {
 
 class CableEngine : public GlobalEngine {
+    static constexpr Real strainReserve = .1; // strain up to which automatic steps are stable
+
+    friend class CableContacts;
     struct ModelDeleter {
         void operator()(ancf_model* m) const { ancf_model_destroy(m); }
     };
-    // A body whose motion its knots share: the reaction is solved for, both move freely otherwise.
-    struct Coupling {
-        int node;
-        Body::id_t id;
-        Vector3r at; // in the body's frame [m]
-        ancf_point point;
-        Vector3r impulse = Vector3r::Zero(); // of the body on the cable in this step [N s]
-    };
-    struct Partner {
-        Body::id_t id; // of the moved body: a clump for its members
-        ancf_partner body;
-    };
-    struct Row { // beside each row of the contact table
-        HollarsPhys* phys;
-        Body::id_t cable, other;
-        int partner;          // in `partners`, or -1
-        Vector3r normalForce; // elastic, on the cable [N]
-        ancf_friction law;
-    };
 
     std::unique_ptr<ancf_model, ModelDeleter> model;
-    ancf_time time {};
-    vector<ancf_point> points; // contact points, in the order of pointIds
-    vector<int> responseDof;   // their storage, and that of couplings and carriers
-    vector<Real> responseValue;
-    vector<int> firstNeighbour, neighbour; // contact points that feel each other, (points + 1) and their list
-    vector<Real> neighbourCompliance;      // [1/kg]
-    vector<Real> stiffness;                // (points) of contacts, while they are checked [N/m]
-    vector<int> pointOfBody;               // (bodies) number of the contact point, or -1
-    vector<int> carrierOfBody;             // (bodies) number in carryNodes of a body that is centred on its knot, or -1
-    vector<ancf_point> carriers;
-    vector<Coupling> couplings;
-    vector<ancf_contact> table;
-    vector<Row> rows;
-    vector<Partner> partners;
-    vector<Real> contactForce, after;
-    vector<Real> pointMotion;      // positions and velocities of the contact points
+    CableContacts touching;
+    vector<int> carrierOfBody;     // (bodies) number in carryNodes of a body that is centred on its knot, or -1
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
-    bool pushed = false;           // others' forces act on carried bodies or contact points
+    bool anyCoupled = false;
+    int normalKind = 2, frictionKind = 2;
     Real lastElastic = 0;
     Real substepLimit = 0; // length of automatic sub-steps at most [s]
     long trackedIter = -2; // step that lastElastic was found in; -2: none, even before step 0
     bool pairsChecked = false;
     long checkedIter = -1;
     Real checkedStep = 0;
-    int elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1;
+    int elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1, pressIx = -1;
 
     Scene& theScene() const;
+    ancf_model* theModel() const { return model.get(); }
     [[noreturn]] void refuse(const string& text) const;
+    const Body& elementBody(int element) const;
+    int carrierOf(Body::id_t id) const { return carrierOfBody[id]; }
+    void setCarryReaction(size_t i, const Vector3r& touched);
     void checkNode(int node, const char* what) const;
     void checkUnclaimed(int node) const;
     void changed();
     void makeModel();
-    void makeResponses();
     void mapBodies();
-    void makeCouplings();
-    [[noreturn]] void refuseErased(Body::id_t id) const;
     void checkPairs() const;
-    void makeNeighbours();
-    void checkContacts();
     void checkScene() const;
-    void checkStep();
-    ancf_time timeOfStep() const;
+    void checkStep(const ancf_time& time);
+    ancf_time timeOfStep();
 
     void holdNodes();
     void gatherForces();
-    void gatherContacts();
-    void gatherContact(const Interaction& contact);
-    int partnerOf(const Body& body);
-    void solveFriction();
-    void solveCouplings();
-    void react();
     void scatter();
-    void trackEnergy();
+    void trackEnergy(const ancf_time& time);
 
 public:
-    // The engine of that family, or null.
-    static const CableEngine* find(const Scene& scene, int family);
-    bool adjacent(int element1, int element2) const; // the same, or meeting at a node
+    // What the elements' bodies of an engine of that family read; null if there is none or it cannot be built.
+    static shared_ptr<const CableView> viewOf(const Scene& scene, int family);
 
     void action() override;
-    void postLoad(CableEngine&) { changed(); }
+    void preSave(CableEngine&);
+    void postSave(CableEngine&);
+    void postLoad(CableEngine&);
 
     py::tuple add(const vector<Vector3r>& nodes, const vector<Vector3r>& slopes, const vector<int>& newEnds,
                   const vector<int>& newNext, int newKind, const vector<Real>& newLength, Real newEa, Real newEi,
                   Real newRhoA, Real newDamping);
-    void addPoint(Body::id_t id, int element, Real xi);
+    void cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const vector<int>& runs,
+               const vector<Real>& arcs, const vector<Real>& closedRuns);
+    void addBodies(int first, const vector<Body::id_t>& ids);
     void fix(int node);
     void clamp(int element, int end);
     void follow(int node, Body::id_t id);
@@ -126,11 +90,11 @@ public:
     py::dict energy(int first, int last);
     py::tuple momentum();
     Real criticalTimeStep();
-    Real contactTimeStep(Real speed);
     void relax(Real tolerance, int iterations);
     void build();
     int getStride() const { return ancf_stride(nNodes, nElements()); }
     bool coupled();
+    int asleep() const { return touching.asleep(*this); }
     int nElements() const { return static_cast<int>(length.size()); }
 
     // clang-format off
@@ -151,9 +115,18 @@ public:
         ((vector<Real>, ei, , Attr::triggerPostLoad, "Bending stiffnesses [N m²]."))
         ((vector<Real>, rhoA, , Attr::triggerPostLoad, "Masses per length [kg/m]."))
         ((vector<Real>, kelvinVoigt, , Attr::triggerPostLoad, "Kelvin-Voigt times [s]."))
-        ((vector<int>, pointIds, , Attr::readonly, "Bodies of the contact points."))
-        ((vector<int>, pointElement, , Attr::readonly, "Elements they sit on."))
-        ((vector<Real>, pointXi, , Attr::readonly, "Places on them, 0 to 1."))
+        ((vector<int>, elementIds, , Attr::readonly, "Bodies of the elements, -1: touches nothing."))
+        ((vector<Real>, radius, , Attr::readonly, "Half the diameters of the elements [m]."))
+        ((vector<int>, segments, , Attr::readonly, "Segments of each element, with one place of contact at most."))
+        ((vector<int>, points, , Attr::readonly, "1 where places of contact stand at the ends of the segments, as spheres."))
+        ((vector<int>, structure, , Attr::readonly, "Cable or net that an element belongs to: its first element."))
+        ((vector<int>, selfContact, , Attr::readonly, "1 for elements that touch others of their own cable or net."))
+        ((vector<int>, run, , Attr::readonly, "Row of elements in which arc length counts: its first element."))
+        ((vector<Real>, arc, , Attr::readonly, "Unstressed length along the row to the elements' starts [m]."))
+        ((vector<Real>, closed, , Attr::readonly, "Length of a row that ends where it starts, else 0 [m]."))
+        ((string, normal, "nonlinear", Attr::triggerPostLoad, "Normal force of its contacts: 'nonlinear' (Hunt-Crossley), 'hertz' or 'linear' (spring-dashpot)."))
+        ((string, friction, "hollars", Attr::triggerPostLoad, "'hollars', 'coulomb' (regularised below $v_{t0}$) or 'none'."))
+        ((bool, sleep, true, , "Leaves alone what is far from everything; False changes no bit of any result, and costs time."))
         ((vector<int>, fixedNodes, , Attr::readonly, "Nodes that are fixed."))
         ((vector<int>, clampedEnds, , Attr::readonly, "Slopes that are held, 2 element + end."))
         ((vector<int>, followNodes, , Attr::readonly, "Nodes that follow a body."))
@@ -169,17 +142,24 @@ public:
         ((Real, lastStep, 0, Attr::readonly, "Length of the step before [s], 0 at the start."))
         ((Real, lastSubstep, 0, Attr::readonly, "Length of the sub-step before [s], 0 at the start."))
         ((Vector3r, gravity, Vector3r::Zero(), Attr::readonly, "That of NewtonIntegrator, as last seen [m/s²]."))
-        ((int, contacts, 0, Attr::readonly, "Contact points of cables that touched something in the last step."))
+        ((int, contacts, 0, Attr::readonly, "Places that pressed on something in the last step."))
+        ((int, contactSteps, 0, Attr::readonly, "Sub-steps of the contacts in the last step; 0: nothing could touch."))
         ((int, sweeps, 0, Attr::readonly, "Gauss-Seidel sweeps over the friction of the last step."))
-        ((Real, maxPenetration, 0, Attr::readonly, "Deepest penetration of a contact point so far [m]."))
+        ((Real, frictionLeft, 0, Attr::readonly, "Change of friction in the last sweep, as part of the largest friction force [-]."))
+        ((Real, maxPenetration, 0, Attr::readonly, "Deepest penetration of a place so far [m]."))
+        ((vector<int>, crossPairs, , Attr::hidden, "Contacts between cables that the next step remembers: element, element, segment."))
+        ((vector<Vector3r>, crossFriction, , Attr::hidden, "Their friction [N]."))
         ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
         ,
         .add_property("stride", &CableEngine::getStride, "Length of a block of `position`.")
         .add_property("nElements", &CableEngine::nElements, "Number of elements.")
         .add_property("coupled", &CableEngine::coupled, "Carries a body off its centre or on a guide, which allows no sub-steps.")
+        .add_property("asleep", &CableEngine::asleep, "Elements whose bodies are far from everything: nothing is computed for their contact.")
         .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping")),
              "Adds a cable: nodes (n Vector3 [m]), slopes (2 e Vector3), ends (2 e node numbers) and next (e) counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
-        .def("addPoint", &CableEngine::addPoint, (py::arg("id"), py::arg("element"), py::arg("xi")), "Puts the body as a contact point at xi of an element.")
+        .def("cover", &CableEngine::cover, (py::arg("first"), py::arg("radius"), py::arg("segments"), py::arg("points"), py::arg("selfContact"), py::arg("run"), py::arg("arc"), py::arg("closed")),
+             "Tells of the elements from `first` on, a cable or net added last, what they show to the outside: run (numbers counted from 0), arc [m] and closed [m] have one value each. ValueError on bad values.")
+        .def("addBodies", &CableEngine::addBodies, (py::arg("first"), py::arg("ids")), "Bodies of the elements from `first` on, of shape CableElement.")
         .def("fix", &CableEngine::fix, (py::arg("node")), "Holds a node in place.")
         .def("clamp", &CableEngine::clamp, (py::arg("element"), py::arg("end")), "Holds the slope at an element's start (0) or end (1).")
         .def("follow", &CableEngine::follow, (py::arg("node"), py::arg("id")), "Keeps a node at its place in a body's frame.")
@@ -195,8 +175,7 @@ public:
         .def("reaction", &CableEngine::reaction, (py::arg("node")), "Force on the cable that holds or carries a node, in the last step [N]. ValueError for a free node.")
         .def("energy", &CableEngine::energy, (py::arg("first"), py::arg("last")), "Energies [J] of the elements first .. last-1 as dict kinetic, axial, bending, gravity; carried masses not counted.")
         .def("momentum", &CableEngine::momentum, "(linear [kg m/s], angular about the origin [kg m²/s]), with the masses carried at knots.")
-        .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cable at its strain now, at least 0.1, without contact [s].")
-        .def("contactTimeStep", &CableEngine::contactTimeStep, (py::arg("speed")), "Stable step [s] for contacts of the points with the bodies of the scene, approached at `speed` [m/s] (Hertz).")
+        .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cables at their strain now, at least 0.1, whether they touch or not [s].")
         .def("relax", &CableEngine::relax, (py::arg("tolerance"), py::arg("iterations")), "Moves the cables to static equilibrium; RuntimeError if there is none.")
         .def("build", &CableEngine::build, "Checks everything and gets ready; done by itself at the first step.")
     )

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "HollarsPhys.hpp"
 
-#include "CablePoint.hpp"
+#include "CableElement.hpp"
 #include "Mobility.hpp"
 #include "Sheave.hpp"
 
@@ -39,6 +39,7 @@ namespace {
         for (const auto id : {contact.getId1(), contact.getId2()})
             if (const auto* sphere = dynamic_cast<const Sphere*>((*scene->bodies)[id]->shape.get()))
                 curvature += 1 / sphere->radius;
+            else if (const auto* cable = CableElement::of(*(*scene->bodies)[id])) curvature += 1 / cable->radius;
             else if (const auto* sheave = dynamic_cast<const Sheave*>((*scene->bodies)[id]->shape.get()))
                 curvature += ancf_groove_curvature(&sheave->groove());
         return curvature > 0 ? 1 / curvature : std::numeric_limits<Real>::infinity();
@@ -59,17 +60,21 @@ void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real 
                                  "for Hertz: give HollarsMat.normalStiffness");
 }
 
+void mixHollars(HollarsPhys& phys, const HollarsMat& a, const HollarsMat& b, Real radius) {
+    setStiffness(phys, a, b, radius);
+    phys.impactDamping = (a.impactDamping + b.impactDamping) / 2;
+    phys.dashpot = (a.dashpot + b.dashpot) / 2;
+    phys.staticFriction = std::min(a.staticFriction, b.staticFriction);
+    phys.kineticFriction = std::min(a.kineticFriction, b.kineticFriction);
+    phys.transitionVelocity = std::max(a.transitionVelocity, b.transitionVelocity);
+}
+
 void Ip2_HollarsMat_HollarsMat_HollarsPhys::go(const shared_ptr<Material>& first, const shared_ptr<Material>& second,
                                                const shared_ptr<Interaction>& contact) {
     if (contact->phys) return;
     const auto &a = static_cast<const HollarsMat&>(*first), &b = static_cast<const HollarsMat&>(*second);
     auto phys = shared_ptr<HollarsPhys>(new HollarsPhys);
-    setStiffness(*phys, a, b, contactRadius(scene, *contact));
-    phys->impactDamping = (a.impactDamping + b.impactDamping) / 2;
-    phys->dashpot = (a.dashpot + b.dashpot) / 2;
-    phys->staticFriction = std::min(a.staticFriction, b.staticFriction);
-    phys->kineticFriction = std::min(a.kineticFriction, b.kineticFriction);
-    phys->transitionVelocity = std::max(a.transitionVelocity, b.transitionVelocity);
+    mixHollars(*phys, a, b, contactRadius(scene, *contact));
     contact->phys = phys;
 }
 
@@ -113,7 +118,7 @@ bool Law2_ScGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
     const auto& geom = static_cast<const ScGeom&>(*ig);
     auto& phys = static_cast<HollarsPhys&>(*ip);
     const Body &b1 = *(*scene->bodies)[contact->getId1()], &b2 = *(*scene->bodies)[contact->getId2()];
-    const auto *p1 = CablePoint::of(b1), *p2 = CablePoint::of(b2);
+    const CableElement *p1 = nullptr, *p2 = nullptr;
     phys.normalKind = normalKind;
     phys.frictionKind = frictionKind;
     const bool excluded = (p1 && p1->excludes(b2.id)) || (p2 && p2->excludes(b1.id));

@@ -44,6 +44,9 @@ REGISTER_SERIALIZABLE(HollarsPhys);
 // Stiffness and exponent of a contact of that radius [m]: a material's own, the softer one if both give it, else Hertz.
 void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real radius);
 
+// Laws of two materials: the smaller friction, the larger transition velocity, the mean of the damping.
+void mixHollars(HollarsPhys& phys, const HollarsMat& a, const HollarsMat& b, Real radius);
+
 class Ip2_HollarsMat_HollarsMat_HollarsPhys : public IPhysFunctor {
 public:
     void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;

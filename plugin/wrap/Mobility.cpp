@@ -14,6 +14,19 @@ const Body& movedBody(const Scene& scene, const Body& body) {
     return body.isClumpMember() ? *(*scene.bodies)[body.clumpId] : body;
 }
 
+void forceOn(Scene& scene, const Body& body, Vector3r& force, Vector3r& torque) {
+    scene.forces.sync();
+    force = scene.forces.getForce(body.id);
+    torque = scene.forces.getTorque(body.id);
+    if (!body.isClump()) return;
+    for (const auto& member : static_cast<const Clump&>(*body.shape).members) {
+        const Vector3r& f = scene.forces.getForce(member.first);
+        force += f;
+        torque += scene.forces.getTorque(member.first) +
+                  ((*scene.bodies)[member.first]->state->pos - body.state->pos).cross(f);
+    }
+}
+
 Mobility mobility(const Scene& scene, const Body& moved) {
     const State& state = *moved.state;
     Mobility m;

@@ -15,6 +15,9 @@ inline Vector3r velocityAt(const State& state, const Vector3r& at) {
 // The body whose inertia answers: the clump for a member.
 const Body& movedBody(const Scene& scene, const Body& body);
 
+// Force and torque on a body before NewtonIntegrator, those on a clump's members included.
+void forceOn(Scene& scene, const Body& body, Vector3r& force, Vector3r& torque);
+
 struct Mobility {
     Vector3r inverseMass = Vector3r::Zero();    // per axis [1/kg]; 0 where it cannot move
     Matrix3r inverseInertia = Matrix3r::Zero(); // on the axes of the scene [1/(kg m²)]

@@ -189,8 +189,8 @@ static inline void run_leapfrog(ancf_model* m, double h, int steps, ancf_time* t
     time->step = h;
     time->substeps = 1;
     for (int i = 0; i < steps; ++i) {
-        ancf_predict(m, time, NULL);
-        ancf_correct(m, time, m->free);
+        ancf_predict(m, time);
+        ancf_correct(m, time, m->free, NULL);
         time->last = time->last_substep = h;
     }
 }

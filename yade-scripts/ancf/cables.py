@@ -30,21 +30,23 @@ class Cable(Structure):
                      as it lies: a straight or round one starts without strain. Its ends have slopes
                      of their own, free unless clamped.
     elements         ANCF elements per edge
-    diameter         [m]; gives area, bending stiffness E pi d^4/64 and the radius d/2 of the
-                     contact points
+    diameter         [m]; gives area and bending stiffness E pi d^4/64
     material         HollarsMat, or its label or id in O.materials
     model            'ancf', or 'springs': tension-only springs, midPoints + 1 per edge, mass
                      lumped, no bending
-    contactPoints    inside each element, evenly; nodes have one besides (springs: nodes only); 0:
-                     none at all, the cable touches nothing
+    contact          'curve': it touches where its true curve is nearest, at one place in each
+                     segment; 'points': at fixed points, by spheres of its thickness, as in the
+                     study (Fig. 5), between which small things pass
+    contactPoints    inside each element, evenly: they divide it into contactPoints + 1 segments
+                     (springs: one); 0: the cable touches nothing, whatever contact= says
     damping          Kelvin-Voigt time [s]
     area, bending    [m2], EI [N m2] instead of those of the diameter
     mass             'consistent' or 'lumped'
     axialRule        'exact', or 'reduced' (3 Gauss points: softer in bending-dominated cables)
     curvature        'fast' (|r''|) or 'exact' (|r' x r''|/|r'|^2)
-    selfContact      whether its points touch other cable points, its own included
+    selfContact      whether it touches itself; other cables and nets it always touches
     closed           the last point joins the first (belts)
-    mask             groupMask of the contact points
+    mask             groupMask of its bodies
     label            its name in messages
 
     Raises ValueError, TypeError or IndexError that names the attribute.
@@ -59,6 +61,7 @@ class Cable(Structure):
         material,
         model="ancf",
         midPoints=0,
+        contact="curve",
         contactPoints=3,
         damping=0.0,
         area=None,
@@ -77,7 +80,7 @@ class Cable(Structure):
         parts = divisions(label, model, elements, midPoints)
         p = _checkedPoints(label, points, closed)
         layout = _laySprings(p, parts, closed) if model == "springs" else _lay(p, parts, closed)
-        super().__init__(label, sec, layout, contactPoints, selfContact, mask)
+        super().__init__(label, sec, layout, contact, contactPoints, selfContact, mask)
 
     @property
     def _span(self):

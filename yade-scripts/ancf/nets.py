@@ -32,6 +32,7 @@ class Net(Structure):
         rim=(),
         model="ancf",
         midPoints=0,
+        contact="curve",
         contactPoints=3,
         damping=0.0,
         area=None,
@@ -50,7 +51,7 @@ class Net(Structure):
         p = values.points(f"{label}.points", points)
         pairs = _checkedEdges(label, edges, p)
         layout = _lay(p, pairs, parts, model)
-        super().__init__(label, sec, layout, contactPoints, selfContact, mask)
+        super().__init__(label, sec, layout, contact, contactPoints, selfContact, mask)
         self.rim = [self.knot(k) for k in rim]
         self.corners = []  # knots that addBullets shoots
         self.folded = False  # whether it was laid folded

@@ -9,12 +9,15 @@ import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
-from .structure import NO_SELF_CONTACT, Structure, cableEngines, checkMaterial
+from .structure import ELEMENTS, Structure, cableEngines, checkMaterial
 
 LAW_OPTIONS = {
     "normal": ("nonlinear", "hertz", "linear"),
     "friction": ("hollars", "coulomb", "none"),
 }
+
+
+SOLIDS = ("Sphere", "Box", "Facet", "Wall")  # that cables touch, sheaves besides
 
 
 def engines(
@@ -23,7 +26,6 @@ def engines(
     integrator="leapfrog",
     substeps="auto",
     contact=None,
-    speed=None,
     verletDist=None,
 ):
     """The complete list for O.engines, and sets O.dt.
@@ -35,9 +37,8 @@ def engines(
                  number exactly that many
     contact      dict with normal='nonlinear'|'hertz'|'linear' and
                  friction='hollars'|'coulomb'|'none'
-    speed        at which contacts are expected to be approached [m/s]; None: the fastest motion in
-                 the scene, at least 1. Contact stiffness and so O.dt depend on it, weakly
-    verletDist   sweep length of the collider [m]; None: half the distance of contact points
+    verletDist   sweep length of the collider for bodies other than cables [m]; None: an eighth of
+                 the shortest element, at least a cable's radius
 
     Contacts of cables, spheres, boxes, facets and walls of HollarsMat or FrictMat have their
     functors in the list. Raises ValueError, TypeError that name the argument, RuntimeError for a
@@ -61,21 +62,23 @@ def engines(
     cable = _appendAll(structures)
     for engine in cable:
         engine.integrator, engine.substeps = integrator, steps
+        for name, value in law.items():
+            setattr(engine, name, value)
     for structure in structures:
         if getattr(structure, "folded", False) and O.iter == 0:
             _checkFolded(structure)
-    speed = fastest() if speed is None else values.positive("engines: speed", speed, "m/s")
-    O.dt = timeStep(cable, speed)
+    O.dt = timeStep(cable)
     return [
         wrapper.ForceResetter(),
         wrapper.InsertionSortCollider(
-            [_new("Bo1_%s_Aabb" % s) for s in ("Sphere", "Box", "Facet", "Wall")],
+            [_new("Bo1_%s_Aabb" % s) for s in (*SOLIDS, "CableElement")],
             verletDist=verletDist,
-            avoidSelfInteractionMask=NO_SELF_CONTACT,
+            avoidSelfInteractionMask=ELEMENTS,
         ),
         wrapper.InteractionLoop(
-            [_new("Ig2_%s_Sphere_ScGeom" % s) for s in ("Sphere", "Box", "Facet", "Wall")]
-            + [_new("Ig2_CablePoint_CablePoint_ScGeom")],
+            [_new("Ig2_%s_Sphere_ScGeom" % s) for s in SOLIDS]
+            + [_new("Ig2_%s_CableElement_CableGeom" % s) for s in SOLIDS]
+            + [_new("Ig2_%s_CarriedSphere_CableGeom" % s) for s in SOLIDS],
             [
                 wrapper.Ip2_HollarsMat_HollarsMat_HollarsPhys(),
                 wrapper.Ip2_FrictMat_HollarsMat_HollarsPhys(),
@@ -83,11 +86,12 @@ def engines(
             ],
             [
                 wrapper.Law2_ScGeom_HollarsPhys_Hollars(**law),
+                wrapper.Law2_CableGeom_HollarsPhys_Hollars(),
                 wrapper.Law2_ScGeom_FrictPhys_CundallStrack(),
             ],
         ),
         *cable,
-        wrapper.NewtonIntegrator(damping=0, gravity=Vector3(*gravity)),
+        wrapper.CableNewton(damping=0, gravity=Vector3(*gravity)),
     ]
 
 
@@ -114,38 +118,22 @@ def _appendAll(structures):
 
 
 def sweepLength(structure):
-    """Sweep length that lets the collider rest for many steps: half the distance of contact points
-    [m].
-    """
-    shortest = min(structure._layout.length)
-    return max(structure.radius, 0.5 * shortest / (structure._contactPoints + 1))
+    """Sweep length that lets the collider rest for many steps [m]."""
+    return max(structure.radius, 0.125 * min(structure._layout.length))
 
 
-def fastest():
-    """Highest speed of bodies and cables in the scene, at least 1 m/s."""
-    speeds = [1.0] + [b.state.vel.norm() for b in O.bodies]
-    for engine in cableEngines():
-        v, stride = engine.velocity, engine.stride
-        speeds += [Vector3(*v[i::stride]).norm() for i in range(engine.nNodes)]
-    return max(speeds)
-
-
-def timeStep(engines=None, speed=None):
-    """The step for O.dt [s]: what the cables allow, in the sub-steps they are told to take, and what
-    contacts at an approach speed [m/s] allow. A point that is held by both is stiffer than by one:
-    the squares of the frequencies add.
+def timeStep(engines=None):
+    """The step for O.dt [s]: what the cables allow, in the sub-steps they are told to take. Their
+    contacts take sub-steps of their own inside it.
 
     engines: CableEngines, None: all in O.engines.
     """
     engines = cableEngines() if engines is None else engines
-    speed = fastest() if speed is None else speed
     steps = []
     for engine in engines:
         divides = engine.integrator == "leapfrog" and not engine.coupled
         inside = max(1, engine.substeps) if divides else 1
-        cable = inside * engine.criticalTimeStep()
-        contact = engine.contactTimeStep(speed) if engine.pointIds else math.inf
-        steps.append(1 / math.hypot(1 / cable, 1 / contact))
+        steps.append(inside * engine.criticalTimeStep())
     return min(steps)
 
 
@@ -186,13 +174,12 @@ def _checkFolded(net):
 
 
 def _solids():
-    """Spheres and boxes that are no part of a cable."""
-    solid = (wrapper.Sphere, wrapper.Box)
-    return [b for b in O.bodies if isinstance(b.shape, solid) and not _isPoint(b)]
+    """Spheres and boxes."""
+    return [b for b in O.bodies if isinstance(b.shape, (wrapper.Sphere, wrapper.Box))]
 
 
-def _isPoint(body):
-    return isinstance(body.shape, wrapper.CablePoint)
+def _isElement(body):
+    return isinstance(body.shape, wrapper.CableElement)
 
 
 def _halfSize(body):
@@ -205,23 +192,28 @@ def _halfSize(body):
 
 
 def _checkInside():
-    """Refuses contact points whose centres are in a sphere or box that they can touch."""
-    points = [b for b in O.bodies if _isPoint(b)]
-    if not points:
+    """Refuses cables whose axis is in a sphere or box that they can touch."""
+    elements = [b for b in O.bodies if _isElement(b)]
+    if not elements:
         return
-    at = np.array([list(b.state.pos) for b in points])
+    owners = {engine.family: engine for engine in cableEngines()}
+    xi = np.linspace(0, 1, 9)
+    at = np.array(
+        [[list(owners[b.shape.family].point(b.shape.element, x)) for x in xi] for b in elements]
+    )
     for body in _solids():
         local = at - np.array(list(body.state.pos))
-        near = np.flatnonzero((np.abs(local) < _halfSize(body)).all(axis=1))
-        for k in near:
+        near = np.argwhere((np.abs(local) < _halfSize(body)).all(axis=2))
+        for k, i in near:
+            element = elements[k]
             if (
-                _inside(body, local[k])
-                and _canMeet(body, points[k])
-                and not _excluded(points[k], body)
+                _inside(body, local[k, i])
+                and _canMeet(body, element)
+                and body.id not in element.shape.exclude
             ):
                 raise ValueError(
-                    f"{_name(body)}: the axis of a cable, contact point {points[k].id} at {tuple(at[k])}, is "
-                    "inside it: move one of them, or separate them by groupMask"
+                    f"{_name(body)}: the axis of a cable, element {element.shape.element} (body {element.id}) "
+                    f"at {tuple(at[k, i])}, is inside it: move one of them, or separate them by groupMask"
                 )
 
 
@@ -230,10 +222,6 @@ def _inside(body, local):
         return np.linalg.norm(local) < body.shape.radius
     turned = body.state.ori.conjugate() * Vector3(*local)
     return all(abs(turned[i]) < body.shape.extents[i] for i in range(3))
-
-
-def _excluded(point, body):
-    return body.id in point.shape.exclude
 
 
 def _place(kind):
@@ -263,11 +251,11 @@ def _checkOrder():
 
 def _checkCollider():
     for collider in (e for e in O.engines if isinstance(e, wrapper.InsertionSortCollider)):
-        if collider.verletDist < 0 and any(engine.pointIds for engine in cableEngines()):
+        if not collider.avoidSelfInteractionMask & ELEMENTS and any(_isElement(b) for b in O.bodies):
             warnings.warn(
-                f"InsertionSortCollider.verletDist = {collider.verletDist!r} is a part of the smallest "
-                "radius, a cable's, so that it runs every few steps; give a length, such as half the "
-                "distance of contact points",
+                f"InsertionSortCollider.avoidSelfInteractionMask = {collider.avoidSelfInteractionMask!r}: every "
+                "pair of cable elements that are near will be looked at in every step, for nothing; add "
+                f"{ELEMENTS}, or use ancf.engines()",
                 stacklevel=3,
             )
 
@@ -282,10 +270,8 @@ def _one(key):
 
 
 def _kind(body):
-    shape = body.shape
-    selfContact = isinstance(shape, wrapper.CablePoint) and shape.selfContact
-    moves = isinstance(shape, wrapper.CablePoint) or body.dynamic
-    return type(shape), type(body.material), body.groupMask, moves, selfContact
+    moves = _isElement(body) or body.dynamic
+    return type(body.shape), type(body.material), body.groupMask, moves
 
 
 def _checkFunctors():
@@ -313,9 +299,9 @@ def _name(body):
 def _canMeet(a, b):
     if not (a.bounded and b.bounded and a.groupMask & b.groupMask):
         return False
-    cables = [isinstance(x.shape, wrapper.CablePoint) for x in (a, b)]
+    cables = [_isElement(x) for x in (a, b)]
     if all(cables):
-        return a.shape.selfContact or b.shape.selfContact
+        return False  # their engine finds these
     return any(cables) or a.dynamic or b.dynamic
 
 
@@ -325,7 +311,7 @@ def _functor(dispatcher, a, b):
 
 def _checkPair(loop, a, b):
     pair = f"{_name(a)} and {_name(b)}"
-    cable = any(isinstance(x.shape, wrapper.CablePoint) for x in (a, b))
+    cable = any(_isElement(x) for x in (a, b))
     geom = _functor(loop.geomDispatcher, a.shape, b.shape)
     phys = _functor(loop.physDispatcher, a.material, b.material)
     for functor, kind, remedy in ((geom, "Ig2", "shapes"), (phys, "Ip2", "materials")):

@@ -18,9 +18,11 @@ SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT = (
     8,
 )  # bits of `kind`, plugin/c/include/ancf/model.h
 
-# Bits of groupMask that the points of cables without self-contact have, one for each engine (every
-# eighth again), so that the collider leaves their pairs out at once.
-NO_SELF_CONTACT = 0xFF << 22
+# Bit of groupMask that all bodies of elements have: the collider leaves their pairs out, which the
+# CableEngine finds itself.
+ELEMENTS = 1 << 29
+
+SEGMENTS_MOST = 64  # of an element
 
 
 @dataclass
@@ -73,17 +75,6 @@ class Layout:
             self.length.append(length)
             self.next.append(first + k + 1 if smooth and k + 1 < len(lengths) else -1)
         return first
-
-
-@dataclass
-class Site:
-    """A contact point: a place on the structure."""
-
-    element: int
-    xi: float
-    node: int  # -1 inside an element
-    run: int
-    arc: float  # along the run [m]
 
 
 def section(
@@ -247,16 +238,19 @@ class Structure:
     append().
     """
 
-    def __init__(self, name, section, layout, contactPoints, selfContact, mask):
+    def __init__(self, name, section, layout, contact, contactPoints, selfContact, mask):
         self.name = name
         self.section = section
-        self.bodies = []  # ids of the contact points in O.bodies
+        self.bodies = []  # ids of the elements in O.bodies
+        self.contact = values.choice(f"{name}.contact", contact, ("curve", "points"))
         self.selfContact = bool(selfContact)
         self.mask = values.count(f"{name}.mask", mask, 1)
         self._layout = layout
         self.spans = [Span(self, run) for run in layout.runs]
         self._contactPoints = values.count(f"{name}.contactPoints", contactPoints, 0)
-        self._checkSpacing()
+        if self._contactPoints >= SEGMENTS_MOST:
+            remedy = f"must be below {SEGMENTS_MOST}; take more elements"
+            values.refuse(f"{name}.contactPoints", contactPoints, remedy)
         self._engine = None  # engine() looks it up again after O.load
         self._family = None
         self._first = (0, 0)  # numbers of our first node and element in the engine
@@ -266,22 +260,10 @@ class Structure:
         self._attached = []  # (knot, body id) carried or followed
         self._ties = []  # (structure, knot, structure, knot) to be made once both are in an engine
 
-    def _checkSpacing(self):
-        """Warns of more contact points than fit side by side."""
-        if self._contactPoints == 0:
-            return
-        springs = self.section.kind & SPRING
-        parts, what = (1, "midPoints") if springs else (self._contactPoints + 1, "contactPoints")
-        shortest = min(self._layout.length)
-        if shortest / parts < (1 - 1e-9) * self.section.diameter:
-            fit = max(0, int(shortest / self.section.diameter + 1e-9) - 1)
-            remedy = "take fewer midPoints" if springs else f"{fit} fit inside each element"
-            warnings.warn(
-                f"{self.name}.{what}: contact points {shortest / parts:g} m apart overlap, the cable "
-                f"is {self.section.diameter:g} m thick; {remedy}. They never push each other, but "
-                "more of them press on what they touch than there is room for",
-                stacklevel=4,
-            )
+    @property
+    def _segments(self):
+        """Pieces of an element with one place of contact each."""
+        return 1 if self.section.kind & SPRING else self._contactPoints + 1
 
     # ---- sizes -----------------------------------------------------------------------------------
 
@@ -297,7 +279,7 @@ class Structure:
 
     @property
     def radius(self):
-        """Radius of the contact points [m]."""
+        """Half the diameter [m]."""
         return 0.5 * self.section.diameter
 
     @property
@@ -328,7 +310,7 @@ class Structure:
         return self._engine
 
     def append(self, engine=None):
-        """Puts the contact points into O.bodies and nodes and elements into a CableEngine.
+        """Puts a body for each element into O.bodies, and nodes and elements into a CableEngine.
 
         engine: the CableEngine to join (`other.engine`); None makes a new one, which goes between
         InteractionLoop and NewtonIntegrator if O.engines has them. Returns self. Raises
@@ -348,7 +330,7 @@ class Structure:
         self._first = self._addElements(self._engine)
         self._pushVelocity()
         self._tieAll()
-        self._addPoints()
+        self._addBodies()
         for condition in self._later:
             condition()
         self._later = []
@@ -374,62 +356,37 @@ class Structure:
     def _appendBodies(self):
         """Bodies that belong to the structure and come with it (bullets of a net)."""
 
-    def _sites(self):
-        """Places of the contact points: one at every node, whatever meets there, and some inside
-        each element.
-        """
+    def _addBodies(self):
+        """Tells the engine what the elements show to the outside, and gives each a body."""
+        engine, first, lay = self.engine, self._first[1], self._layout
+        run, arc, closed = [], [], []
+        for r in lay.runs:
+            lengths = lay.length[r.first : r.first + r.count]
+            run += [r.first] * r.count
+            arc += [float(a) for a in np.concatenate([[0.0], np.cumsum(lengths)[:-1]])]
+            returns = lay.ends[r.first][0] == lay.ends[r.first + r.count - 1][1]
+            closed += [float(sum(lengths)) if returns else 0.0] * r.count
+        engine.cover(
+            first, self.radius, self._segments, self.contact == "points", self.selfContact, run, arc, closed
+        )
         if self._contactPoints == 0:
-            return []
-        inside = 0 if self.section.kind & SPRING else self._contactPoints
-        sites, seen = [], set()
-        for number, run in enumerate(self._layout.runs):
-            arc = 0.0
-            for e in range(run.first, run.first + run.count):
-                length = self._layout.length[e]
-                steps = [(i / (inside + 1), -1) for i in range(1, inside + 1)]
-                start, end = self._layout.ends[e]
-                for xi, node in [(0.0, start), *steps, (1.0, end)]:
-                    if node < 0 or node not in seen:
-                        sites.append(Site(e, xi, node, number, arc + xi * length))
-                    seen.add(node)
-                arc += length
-        return sites
-
-    def _addPoints(self):
-        engine, (firstNode, firstElement) = self.engine, self._first
-        taken = self._pointNodes(engine)
-        group = self.mask | (0 if self.selfContact else 1 << (22 + self._family % 8))
+            return
         material = _inContainer(self.section.material)
-        for site in self._sites():
-            node = engine.tied(firstNode + site.node) if site.node >= 0 else -1
-            if node in taken:
-                continue
+        state, bodies = self._state(), []
+        for e in range(len(lay.ends)):
             body = wrapper.Body()
-            body.shape = wrapper.CablePoint(
-                radius=self.radius,
-                element=firstElement + site.element,
-                xi=site.xi,
-                node=node,
-                family=self._family,
-                edge=firstElement + self._layout.runs[site.run].first,
-                arc=site.arc,
-                selfContact=self.selfContact,
+            body.shape = wrapper.CableElement(
+                element=first + e, family=self._family, radius=self.radius
             )
             body.material = material
-            body.groupMask = group
-            body.state.pos = body.state.refPos = Vector3(*self._at(site.element, site.xi)[0])
+            body.groupMask = self.mask | ELEMENTS
+            middle = self._points(*state, e, np.array([0.5]))[0]
+            body.state.pos = body.state.refPos = Vector3(*middle)
             body.state.mass = 0
             body.state.blockedDOFs = "xyzXYZ"
-            number = O.bodies.append(body)
-            engine.addPoint(number, firstElement + site.element, site.xi)
-            self.bodies.append(number)
-
-    def _pointNodes(self, engine):
-        """Nodes of the engine that have a contact point already (a knot tied to one that was
-        appended before).
-        """
-        shapes = [O.bodies[i].shape for i in engine.pointIds if O.bodies[i]]
-        return {engine.tied(s.node) for s in shapes if s.node >= 0}
+            bodies.append(body)
+        self.bodies = list(O.bodies.append(bodies))
+        engine.addBodies(first, self.bodies)
 
     # ---- conditions on knots ---------------------------------------------------------------------
 
@@ -527,6 +484,7 @@ class Structure:
             arm = state.ori * Vector3(*at)
             self._writeVelocity({knot: state.vel + state.angVel.cross(arm)}, {})
         engine.carry(self._node(knot), bodyId, Vector3(*at))
+        _makeCarried(O.bodies[bodyId])
         self._attach(knot, bodyId)
 
     def load(self, knot, force):
@@ -587,21 +545,22 @@ class Structure:
                     structure._ties.remove(tie)
 
     def _attach(self, knot, bodyId):
-        """The point of a knot, and those that lie within the body now, never touch the body that it
-        carries or follows.
+        """The elements that meet at a knot, and those that reach into the body now, never touch the
+        body that it carries or follows.
         """
         self._attached.append((knot, bodyId))
-        body, node = O.bodies[bodyId], self._node(knot)
+        if not self.bodies:
+            return
+        body, node, first = O.bodies[bodyId], self._node(knot), self._first[0]
         members = [bodyId, *body.shape.members.keys()] if body.isClump else [bodyId]
-        for number in self.bodies:
-            point = O.bodies[number]
-            excluded = [
-                m
-                for m in members
-                if point.shape.node == node or _overlaps(O.bodies[m], point.state.pos, self.radius)
-            ]
+        state = self._state()
+        for e, ends in enumerate(self._layout.ends):
+            meets = node in {self.engine.tied(first + i) for i in ends}
+            curve = self._points(*state, e, np.linspace(0, 1, 17))
+            excluded = [m for m in members if meets or _overlaps(O.bodies[m], curve, self.radius)]
             if excluded:
-                point.shape.exclude = list(point.shape.exclude) + excluded
+                shape = O.bodies[self.bodies[e]].shape
+                shape.exclude = list(shape.exclude) + excluded
 
     # ---- state -----------------------------------------------------------------------------------
 
@@ -710,15 +669,13 @@ class Structure:
 
 
 def findBody(where, bodyId):
-    """O.bodies[bodyId]; IndexError if there is none, ValueError for a contact point of a cable."""
+    """O.bodies[bodyId]; IndexError if there is none, ValueError for an element of a cable."""
     whole = isinstance(bodyId, (int, np.integer)) and not isinstance(bodyId, bool)
     if not whole or not 0 <= bodyId < len(O.bodies) or O.bodies[bodyId] is None:
         values.refuse(f"{where}: bodyId", bodyId, "there is no such body in O.bodies", IndexError)
     body = O.bodies[bodyId]
-    if isinstance(body.shape, wrapper.CablePoint):
-        values.refuse(
-            f"{where}: bodyId", bodyId, "is a contact point of a cable; tie knots instead"
-        )
+    if isinstance(body.shape, wrapper.CableElement):
+        values.refuse(f"{where}: bodyId", bodyId, "is an element of a cable; tie knots instead")
     return body
 
 
@@ -729,7 +686,7 @@ def cableEngines():
 
 def _newEngine():
     families = [e.family for e in cableEngines()]
-    families += [b.shape.family for b in O.bodies if isinstance(b.shape, wrapper.CablePoint)]
+    families += [b.shape.family for b in O.bodies if isinstance(b.shape, wrapper.CableElement)]
     return wrapper.CableEngine(family=max(families, default=0) + 1)
 
 
@@ -752,11 +709,21 @@ def _tieNow(mine, knot, other, otherKnot):
     mine.engine.tie(other._node(otherKnot), mine._node(knot))
 
 
-def _overlaps(body, point, radius):
-    """Whether a ball around `point` overlaps a sphere or box."""
+def _makeCarried(body):
+    """Spheres that a knot carries are told apart: the engine of the cable solves their contacts."""
+    for member in body.shape.members if body.isClump else [body.id]:
+        shape = O.bodies[member].shape
+        if type(shape) is wrapper.Sphere:
+            O.bodies[member].shape = wrapper.CarriedSphere(**shape.dict())
+
+
+def _overlaps(body, points, radius):
+    """Whether a ball around one of the points (n, 3) overlaps a sphere or box."""
+    local = points - np.array(list(body.state.pos))
     if isinstance(body.shape, wrapper.Sphere):
-        return (body.state.pos - point).norm() < body.shape.radius + radius
+        return (np.linalg.norm(local, axis=1) < body.shape.radius + radius).any()
     if isinstance(body.shape, wrapper.Box):
-        local = body.state.ori.conjugate() * (point - body.state.pos)
-        return all(abs(local[i]) < body.shape.extents[i] + radius for i in range(3))
+        turn = body.state.ori.conjugate().toRotationMatrix()
+        turned = local @ np.array([[turn[i, j] for j in range(3)] for i in range(3)]).T
+        return (np.abs(turned) < np.array(list(body.shape.extents)) + radius).all(axis=1).any()
     return False

@@ -1,70 +1,119 @@
-// Friction between cables and bodies, solved at the new velocity.
+// The contacts of cables, and of bodies that knots carry, through one step of the cable.
 //
-// Explicit friction would need a step of 2 m v0/((2 mu_s - mu_k) f_n); here every contact's friction is the one that
-// belongs to the velocity after it has acted, all contacts together, by Gauss-Seidel over the table.
+// All that touches in a step stands in one table: places on cables and knots, bodies that move by themselves, contacts
+// between them, and couplings of knots with points of bodies. Elasticity, damping and gravity act once, as a kick at
+// the start. Then the normal forces of the contacts act in sub-steps short enough for the stiffest of them, on gaps and
+// velocities at the places alone: what a unit impulse at one place does to another is a number, found once a step. A
+// contact's normal stays as it is at the start of the step. Friction follows once, at the velocity that is left.
+//
+// In the order of use in a step: ancf_table_clear; add places, bodies, contacts, couplings; ancf_table_prepare;
+// ancf_table_couple, ancf_table_press, ancf_table_rub; ancf_table_apply.
 #ifndef ANCF_CONTACT_H
 #define ANCF_CONTACT_H
 
 #include "law.h"
 #include "model.h"
+#include "response.h"
 
-// A body that cables touch.
-typedef struct {
-    double position[3], velocity[3], spin[3]; // as they will be without friction [m], [m/s], [rad/s]
-    double inv_mass[3];                       // per axis, 0 where it cannot move [1/kg]
-    double inv_inertia[9];                    // world axes, row by row; 0 where it cannot turn [1/(kg m2)]
-    double along[3]; // direction of a straight guide over the root of the mass on it; 0: none [1/sqrt(kg)]
-} ancf_partner;
-
-// A point on a cable, and the response of the model to a unit force there (ancf_mass_response).
+// A place on a cable.
 typedef struct {
     int element;
     double xi;
-    int place[4];     // of its element's unknowns in a block
-    double S[4];      // their weights at xi
-    int n;            // unknowns that move
-    const int* dof;   // (n)
-    const double* dv; // (n) their acceleration under 1 N
-    double compliance;
-} ancf_point;
+    int dof[4];  // of its element's unknowns in a block
+    double S[4]; // their weights at xi
+    const ancf_response* response;
+    double compliance;  // velocity by a unit impulse at the place itself [1/kg]
+    double velocity[3]; // [m/s]
+    double impulse[3];  // on the cable in this step [N s]
+    double moment[3];   // the same, each times the time from it to the end of the step [N s2]
+} ancf_place;
+
+// A body that moves by itself.
+typedef struct {
+    double position[3];
+    double velocity[3], spin[3]; // in: as they will be without what is in the table [m/s], [rad/s]; out: with it
+    double inv_mass[3];          // per axis, 0 where it cannot move [1/kg]
+    double inv_inertia[9];       // world axes, row by row; 0 where it cannot turn [1/(kg m2)]
+    double along[3];             // direction of a straight guide over the root of the mass on it; 0: none [1/sqrt(kg)]
+    double impulse[3], twist[3]; // on it in this step, the latter about `position` [N s], [N m s]
+    double shift[3], turn[3];    // how far they move and turn it by the end of the step [m], [rad]
+} ancf_body;
+
+// One side of a contact: a place, a body, or a body that moves with a knot and turns by itself.
+typedef struct {
+    int place; // number in the table, -1: none
+    int body;
+    double arm[3]; // from the body's position to where forces act on it [m]
+} ancf_side;
 
 typedef struct {
-    const ancf_point* point; // on a cable
-    const ancf_point* other; // what it touches: a cable (or NULL),
-    ancf_partner* partner;   // a body (or NULL), or both: a body that moves with a knot and turns on its own
-    double normal[3];        // unit vector
-    double normal_force;     // elastic part, >= 0 [N]
-    double normal_damping;   // its dashpot c [N s/m], which acts at the new velocity too; 0: none
-    const ancf_friction* law;
-    double friction[3];   // in: first guess. out: force on `point` [N]; its opposite acts on the other side
-    double damping_force; // in: first guess. out: what the dashpot adds to normal_force, the sum never below 0 [N]
+    ancf_side side[2];
+    int key[3];       // the caller's
+    double normal[3]; // unit vector from the second side to the first: pressed apart, the first moves along it
+    double gap;       // in: at the start [m]; out: as the sub-steps leave it
+    ancf_normal law;
+    ancf_friction rub;
+    double friction[3];    // in: first guess; out: mean force on the first side in this step [N]
+    double impulse;        // of the normal force in this step, >= 0 [N s]
+    double depth;          // deepest penetration in this step [m]
+    double force;          // normal force of the last sub-step [N]
+    double energy;         // elastic energy at the end of the step [J]
+    double damped;         // taken out by its damping in this step [J]
+    double rubbed;         // and by its friction [J]
+    double own;            // velocity along the normal by a unit impulse along it [1/kg]
+    double speed, elastic; // of the sub-step [m/s], [N]
 } ancf_contact;
 
-// Sets element, xi, place and S.
-void ancf_point_place(ancf_point* point, const ancf_model* m, int element, double xi);
+// A knot that goes on together with a point of a body (Eq. 5, multipliers solved for).
+typedef struct {
+    int place, body;
+    double arm[3];     // from the body's position to the point [m]
+    double ahead[3];   // what the point's velocity gains within the step by the body's turning [m/s]
+    double impulse[3]; // on the knot in this step [N s]
+} ancf_coupling;
 
-// Value of a field at a point, S(xi) e.
-static inline void ancf_point_at(double value[3], const ancf_model* m, const double* field, const ancf_point* point) {
-    const int* i = point->place;
-    const double* S = point->S;
-    for (int c = 0; c < 3; ++c) {
-        const double* u = field + c * m->stride;
-        value[c] = S[0] * u[i[0]] + S[1] * u[i[1]] + S[2] * u[i[2]] + S[3] * u[i[3]];
-    }
-}
+typedef struct ancf_table ancf_table;
 
-// Positions and velocities of n points, (n x 3) each.
-void ancf_points_motion(double* position, double* velocity, const ancf_model* m, const ancf_point* point, int n);
+ancf_error ancf_table_create(ancf_table** table, const ancf_model* m);
+void ancf_table_destroy(ancf_table* table);
 
-// Adds the force F at a point to the generalised force, Q = S(xi)^T F (Eq. 16).
-static inline void ancf_point_add_force(const ancf_model* m, double* force, const ancf_point* point,
-                                        const double F[3]) {
-    for (int c = 0; c < 3; ++c)
-        for (int k = 0; k < 4; ++k) force[c * m->stride + point->place[k]] += point->S[k] * F[c];
-}
+// Empties it. Numbers of what is added count from 0; -1: out of memory.
+void ancf_table_clear(ancf_table* table);
+int ancf_table_add_place(ancf_table* table, const ancf_model* m, int element, double xi);
+int ancf_table_add_knot(ancf_table* table, const ancf_model* m, int node);
+int ancf_table_add_body(ancf_table* table, const ancf_body* body);
+int ancf_table_add_contact(ancf_table* table, const ancf_contact* contact);
+int ancf_table_add_coupling(ancf_table* table, const ancf_coupling* coupling);
 
-// Solves friction and damping of n contacts for a kick of length dt [s]. velocity (3 x stride): in the free velocity,
-// out the velocity after friction. Returns the number of sweeps.
-int ancf_contact_solve(const ancf_model* m, ancf_contact* table, int n, double dt, double* velocity);
+int ancf_table_contacts(const ancf_table* table); // their number
+int ancf_table_places(const ancf_table* table);
+ancf_place* ancf_table_place(ancf_table* table, int i);
+ancf_body* ancf_table_body(ancf_table* table, int i);
+ancf_contact* ancf_table_contact(ancf_table* table, int i);
+ancf_coupling* ancf_table_coupling(ancf_table* table, int i);
+
+// Gets ready for a step: velocities of the places from the field `velocity` (3 x stride), and what places do to each
+// other. ANCF_E_MEMORY if there is not enough.
+ancf_error ancf_table_prepare(ancf_table* table, const ancf_model* m, const double* velocity);
+
+// Sub-steps that the normal forces need in a step [s], and the contact that needs most; 0: nothing can touch in it.
+int ancf_table_substeps(ancf_table* table, double step, int* stiffest);
+
+// The normal forces through a step, in `substeps` (0: gaps alone go on). Couplings are kept in each.
+void ancf_table_press(ancf_table* table, double step, int substeps);
+
+// Friction of all contacts that pressed, at the velocity after it. Returns the number of sweeps; *left is the largest
+// change of the last one, as part of the largest friction force.
+int ancf_table_rub(ancf_table* table, double step, double* left);
+
+// Impulses that make knots and points of bodies go on together from now on; `rest` is the time to the step's end.
+void ancf_table_couple(ancf_table* table, double rest);
+
+// Adds to a field of velocities what the table's impulses do, and to a field of displacements what they do besides
+// `step` times that velocity (3 x stride each).
+void ancf_table_apply(const ancf_table* table, const ancf_model* m, double step, double* velocity, double* shift);
+
+// Relative velocity of the first side against the second, as it is now [m/s].
+void ancf_table_slip(double v[3], const ancf_table* table, const ancf_contact* contact);
 
 #endif

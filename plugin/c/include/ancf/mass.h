@@ -8,6 +8,10 @@
 // diagonal with the total mass kept (Hinton, Rock, Zienkiewicz 1976).
 void ancf_mass_element(double M[4][4], const ancf_element* element);
 
+// Exact integral of rho A S, what a unit of gravity does to an element's unknowns [kg], [kg m], however its mass is
+// lumped.
+void ancf_mass_weight(double w[4], const ancf_element* element);
+
 ancf_error ancf_mass_create(ancf_model* m, const double* added);
 void ancf_mass_destroy(ancf_mass* mass);
 
@@ -18,16 +22,11 @@ void ancf_mass_solve(const ancf_model* m, double* acceleration, const double* fo
 // product = M field; shared slopes come out joined.
 void ancf_mass_multiply(const ancf_model* m, double* product, const double* field);
 
-// Response M^-1 S(xi)^T of the model to a unit force at a point: the unknowns that move and by how much, at most
-// ancf_mass_response_size of them. Returns their number; *compliance = S M^-1 S^T [1/kg].
-int ancf_mass_response_size(const ancf_model* m);
-int ancf_mass_response(const ancf_model* m, int* dof, double* value, double* compliance, int element, double xi);
-
 // Kinetic energy of all elements, added masses left out [J]; only where the matrix is diagonal.
 double ancf_mass_kinetic(const ancf_model* m);
 
-// A node's share of it [kg].
-double ancf_mass_of_node(const ancf_model* m, int node);
+// Mass added at a node [kg].
+double ancf_mass_added(const ancf_model* m, int node);
 
 // True if the whole matrix is diagonal.
 bool ancf_mass_diagonal(const ancf_model* m);

@@ -79,7 +79,7 @@ typedef struct {
     double axial_exact[21], axial_reduced[21];  // upper triangles of the axial rule (elastic.c)
 
     ancf_mass* mass;
-    double* weight; // (n_dof) M times a unit displacement of all nodes: gravity's force is weight g [kg or kg m]
+    double* weight; // (n_dof) gravity's force is weight g [kg or kg m]
     double gravity[3];
     bool track;          // damping_work is wanted
     double damping_work; // taken out by Kelvin-Voigt forces so far [J]

@@ -1,11 +1,10 @@
-// Time integration in phases: predict, contact, correct (leapfrog), and RK4 as the reference.
+// Time integration in phases: predict, contacts (contact.h), correct (leapfrog), and RK4 as the reference.
 //
 // Positions are those of the step, velocities those of the half step before it. The kick of a step is as long as the
 // mean of this and the last step; a start from rest (last = 0) so makes half a kick, and the scheme is second order.
 #ifndef ANCF_STEP_H
 #define ANCF_STEP_H
 
-#include "contact.h"
 #include "model.h"
 
 // Length in time of one step [s].
@@ -18,13 +17,13 @@ typedef struct {
 // Length of a step's kick [s].
 static inline double ancf_kick(const ancf_time* time) { return 0.5 * (time->last + time->step); }
 
-// Phase 1: forces of elasticity, damping, gravity and m->external at the present state, and of `contact` ((3 x stride),
-// NULL: none); then m->free = mean velocity of the step ahead if no more than these act.
-void ancf_predict(ancf_model* m, const ancf_time* time, const double* contact);
+// Phase 1: forces of elasticity, damping, gravity and m->external at the present state; then m->free = mean velocity of
+// the step ahead if no more than these act.
+void ancf_predict(ancf_model* m, const ancf_time* time);
 
-// Phase 3: `after` (3 x stride) is m->free as friction and constraints have changed it, or m->free itself if nothing
-// did. Moves the state on by one step.
-void ancf_correct(ancf_model* m, const ancf_time* time, const double* after);
+// Phase 3: `after` (3 x stride) is m->free as contacts and couplings have changed it, or m->free itself if nothing did;
+// `shift` (3 x stride) what they move besides step times that velocity, or NULL. Moves the state on by one step.
+void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift);
 
 // One step of the classical Runge-Kutta scheme, m->external constant.
 void ancf_rk4(ancf_model* m, double step);
@@ -32,9 +31,8 @@ void ancf_rk4(ancf_model* m, double step);
 // Accelerations at a state into m->a.
 void ancf_acceleration(ancf_model* m, const double* x, const double* v);
 
-// Adds a contact's force to m->f of the step just made, for reactions: friction always, with sub-steps the normal
-// force too.
-void ancf_add_contact(ancf_model* m, const ancf_time* time, const ancf_point* point, const double force[3]);
+// Time over which the cable's own forces act in a step [s], whose mean is m->f: less than the step in the first one.
+double ancf_acting(const ancf_time* time);
 
 // Force that holds unknown i at the last step [N]: M a - f of its row, for nodes and slopes that are held.
 void ancf_reaction(double force[3], const ancf_model* m, int dof);

@@ -1,0 +1,109 @@
+// Friction of all contacts that pressed, together, at the velocity after it has acted.
+//
+// Explicit friction would need a step of 2 m v0/((2 mu_s - mu_k) f_n). Here each contact's friction belongs to the
+// velocity that is left, found contact by contact until none changes (Gauss-Seidel).
+#include "table.h"
+
+#include <math.h>
+
+enum { SWEEPS_MAX = 60 };
+
+// Part of the largest friction impulse below which a sweep's changes end the solve.
+static const double tolerance = 1e-8;
+
+static void project(double v[3], const double normal[3]) {
+    const double along = ancf_dot(v, normal);
+    for (int i = 0; i < 3; i++) v[i] -= along * normal[i];
+}
+
+// Mean over the tangent plane of a body's response at the point, half the trace of P (M^-1 - [a] I^-1 [a]) P [1/kg].
+static double body_across(const ancf_body* b, const double arm[3], const double normal[3]) {
+    const double *J = b->inv_inertia, *a = arm;
+    double side[3], turn[3], trace = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        trace += b->inv_mass[i] * (1.0 - normal[i] * normal[i]);
+        trace += J[4 * i] * (a[j] * a[j] + a[k] * a[k]);
+        trace -= (J[3 * i + j] + J[3 * j + i]) * a[i] * a[j];
+    }
+    ancf_cross(side, arm, normal);
+    ancf_multiply(turn, J, side);
+    const double raised = ancf_dot(b->along, normal);
+    trace += ancf_dot(b->along, b->along) - raised * raised;
+    return 0.5 * (trace - ancf_dot(side, turn));
+}
+
+// Effective inverse mass across the normal [1/kg]. It need not be exact: friction that solves the equation does so with
+// any (rub_one).
+static double across(const ancf_table* t, const ancf_contact* c) {
+    double w = 0.0;
+    for (int s = 0; s < 2; ++s) {
+        if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
+        if (c->side[s].body >= 0) w += body_across(&t->body[c->side[s].body], c->side[s].arm, c->normal);
+    }
+    return w;
+}
+
+static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind != ANCF_FRICTION_NONE; }
+
+// Puts one contact's friction right while the others' stay; returns the square of its change [N2 s2]. Its own part is
+// taken off the velocity, the scalar equation solved along what is left, and the new part put on: where nothing changes
+// any more, the friction belongs to the true velocity, even if w was only near the response in that direction.
+static double rub_one(ancf_table* t, ancf_contact* c, double step) {
+    double v[3], change[3];
+    ancf_table_slip(v, t, c);
+    project(v, c->normal);
+    const double w = c->own;
+    for (int i = 0; i < 3; i++) v[i] -= w * step * c->friction[i];
+    const double speed = sqrt(ancf_dot(v, v));
+    const double left = ancf_friction_solve(&c->rub, speed, w * c->impulse);
+    const double force = ancf_friction_coefficient(&c->rub, left) * c->impulse / step;
+    for (int i = 0; i < 3; i++) {
+        const double friction = speed > 0.0 ? -force * (v[i] / speed) : 0.0;
+        change[i] = step * (friction - c->friction[i]);
+        c->friction[i] = friction;
+    }
+    ancf_table_kick(t, c, change, step);
+    return ancf_dot(change, change);
+}
+
+// Starts from the guess, in the tangent plane and no larger than friction can be. Returns that bound [N s].
+static double start(ancf_table* t, ancf_contact* c, double step) {
+    project(c->friction, c->normal);
+    const double bound = fmax(c->rub.mu_s, c->rub.mu_k) * c->impulse;
+    const double size = step * sqrt(ancf_dot(c->friction, c->friction)), part = size > bound ? bound / size : 1.0;
+    double P[3];
+    for (int i = 0; i < 3; i++) {
+        c->friction[i] *= rubs(c) ? part : 0.0;
+        P[i] = step * c->friction[i];
+    }
+    if (!rubs(c)) return 0.0;
+    c->own = across(t, c);
+    ancf_table_kick(t, c, P, step);
+    return bound;
+}
+
+// Energy that a contact's friction takes: its impulse times the mean of the velocities before and after all friction.
+static double taken(const ancf_table* t, int i, double step) {
+    const ancf_contact* c = &t->contact[i];
+    double after[3];
+    ancf_table_slip(after, t, c);
+    return -0.5 * step * (ancf_dot(c->friction, t->slip[i]) + ancf_dot(c->friction, after));
+}
+
+int ancf_table_rub(ancf_table* t, double step, double* left) {
+    double largest = 0.0, change = 0.0;
+    *left = 0.0;
+    for (int i = 0; i < t->n_contacts; ++i) ancf_table_slip(t->slip[i], t, &t->contact[i]);
+    for (int i = 0; i < t->n_contacts; ++i) largest = fmax(largest, start(t, &t->contact[i], step));
+    if (largest == 0.0) return 0;
+    int sweep = 0;
+    do {
+        change = 0.0;
+        for (int i = 0; i < t->n_contacts; ++i)
+            if (rubs(&t->contact[i])) change = fmax(change, rub_one(t, &t->contact[i], step));
+    } while (++sweep < SWEEPS_MAX && change > tolerance * tolerance * largest * largest);
+    *left = sqrt(change) / largest;
+    for (int i = 0; i < t->n_contacts; ++i) t->contact[i].rubbed = taken(t, i, step);
+    return sweep;
+}

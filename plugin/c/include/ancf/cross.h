@@ -1,0 +1,29 @@
+// Contacts of cables with cables: segments on the true curves.
+#ifndef ANCF_CROSS_H
+#define ANCF_CROSS_H
+
+#include "boxes.h"
+#include "contact.h"
+
+// Laws of two kinds of cover.
+typedef struct {
+    ancf_normal normal;
+    ancf_friction rub;
+} ancf_laws;
+
+// Friction that a contact had in the step before, as a first guess; sorted by first, second, segment.
+typedef struct {
+    int first, second, segment;
+    double friction[3]; // on the first [N]
+} ancf_memory;
+
+// Adds to the table the contacts of all pairs that may meet with a gap below `reach` [m]. laws: (kinds x kinds).
+// Returns their number; -1: out of memory. What is `friction` of a contact is taken from `last`, (n_last).
+int ancf_cross_add(ancf_table* table, const ancf_boxes* boxes, const ancf_cover* cover, const ancf_model* m,
+                   const ancf_laws* laws, int kinds, double reach, const ancf_memory* last, int n_last);
+
+// What the contacts begin .. end-1 of the table remember for the next step: those with friction. memory: room for all;
+// returns how many.
+int ancf_cross_keep(ancf_memory* memory, ancf_table* table, int begin, int end);
+
+#endif

@@ -1,0 +1,23 @@
+// How a model answers to forces on its elements: columns of the inverse mass matrix, made where they are first needed.
+#ifndef ANCF_RESPONSE_H
+#define ANCF_RESPONSE_H
+
+#include "model.h"
+
+// Accelerations of the unknowns `dof` of a block under unit forces on one element's four unknowns.
+typedef struct {
+    int n;
+    const int* dof;            // (n)
+    const double (*column)[4]; // (n) [1/kg and its like]
+} ancf_response;
+
+typedef struct ancf_responses ancf_responses;
+
+ancf_error ancf_responses_create(ancf_responses** responses, const ancf_model* m);
+void ancf_responses_destroy(ancf_responses* responses);
+
+// That of an element; NULL: out of memory. Entries below 1e-13 of the largest are left out. Uses m->work the first
+// time.
+const ancf_response* ancf_responses_of(ancf_responses* responses, const ancf_model* m, int element);
+
+#endif

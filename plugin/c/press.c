@@ -1,0 +1,177 @@
+// Normal forces of the contacts, in sub-steps of the cable's step.
+#include "table.h"
+
+#include <math.h>
+#include <stddef.h>
+
+// Length of a sub-step times the highest frequency of the contacts: a tenth of the time that an impact by Hertz lasts,
+// 4.03/frequency.
+static const double substep_frequency = 0.4;
+
+static const double substeps_largest = 1e6;
+
+enum { ROUNDS = 30, TOGETHER = 20 };
+
+// Change of a force, as part of the largest, below which contacts that press on one another are done.
+static const double together = 1e-6;
+
+// Depth that an impact at the speed of approach of the contact drives it to [m].
+static double deepest(const ancf_contact* c, double approach) {
+    const double now = c->gap < 0.0 ? -c->gap : 0.0;
+    if (!(approach > 0.0) || !(c->own > 0.0)) return now;
+    const double n = c->law.kind == ANCF_NORMAL_LINEAR ? 1.0 : c->law.exponent;
+    const double stored = approach * approach * (n + 1.0) / (2.0 * c->own * c->law.stiffness);
+    return pow((now > 0.0 ? pow(now, n + 1.0) : 0.0) + stored, 1.0 / (n + 1.0));
+}
+
+static double along_normal(const ancf_table* t, const ancf_contact* c) {
+    double v[3];
+    ancf_table_slip(v, t, c);
+    return ancf_dot(v, c->normal);
+}
+
+static double* stiffness_at(ancf_table* t, const ancf_side* side, int body) {
+    if (body) return side->body < 0 ? NULL : &t->stiffness[t->n_places + side->body];
+    return side->place < 0 ? NULL : &t->stiffness[side->place];
+}
+
+// Square of the frequency of one contact if all others are as stiff as they get: a row sum of stiffness times effect.
+static double row_sum(const ancf_table* t, const ancf_contact* c) {
+    double sum = 0.0, cables = 0.0;
+    for (int s = 0; s < 2; ++s) {
+        const ancf_side* side = &c->side[s];
+        if (side->place < 0) continue;
+        cables += t->place[side->place].compliance;
+        for (int k = t->first[side->place]; k < t->first[side->place + 1]; ++k)
+            sum += fabs(t->effect[k]) * t->stiffness[t->other[k]];
+    }
+    double bodies = 0.0;
+    for (int s = 0; s < 2; ++s)
+        if (c->side[s].body >= 0) bodies = fmax(bodies, t->stiffness[t->n_places + c->side[s].body]);
+    return sum + fmax(c->own - cables, 0.0) * bodies;
+}
+
+int ancf_table_substeps(ancf_table* t, double step, int* stiffest) {
+    bool any = false;
+    for (int i = 0; i < t->n_places + t->n_bodies; ++i) t->stiffness[i] = 0.0;
+    for (int i = 0; i < t->n_contacts; ++i) {
+        const ancf_contact* c = &t->contact[i];
+        const double u = along_normal(t, c);
+        if (c->gap > 0.0 && c->gap + step * u > 0.0) continue;
+        any = true;
+        const double tangent = ancf_normal_tangent(&c->law, deepest(c, -u));
+        for (int s = 0; s < 2; ++s)
+            for (int body = 0; body < 2; ++body) {
+                double* there = stiffness_at(t, &c->side[s], body);
+                if (there) *there += tangent;
+            }
+    }
+    if (!any) return 0;
+    double highest = 0.0;
+    for (int i = 0; i < t->n_contacts; ++i) {
+        const double square = row_sum(t, &t->contact[i]);
+        if (!(square > highest)) continue;
+        highest = square;
+        *stiffest = i;
+    }
+    const double wanted = ceil(step * sqrt(highest) / substep_frequency);
+    return wanted < 1.0 ? 1 : (int)fmin(wanted, substeps_largest);
+}
+
+// Normal force of a sub-step.
+typedef struct {
+    double elastic, total; // [N]
+} pressing;
+
+// Minus the quotient of elastic energy and way (a discrete gradient), so that the length of the sub-steps neither gives
+// nor takes energy. [N]
+static double elastic_force(const ancf_normal* law, double gap, double energy, double way) {
+    const double shortest = 1e-7 * fabs(gap);
+    if (fabs(way) > shortest) return (energy - ancf_normal_energy(law, -(gap + way))) / way;
+    return ancf_normal_force(&(ancf_normal) {law->kind, law->stiffness, law->exponent, 0.0}, -(gap + 0.5 * way), 0.0);
+}
+
+// Part of a way on which there is overlap.
+static double overlapping(double gap, double way) {
+    const double end = gap + way;
+    if (gap <= 0.0) return end <= 0.0 ? 1.0 : -gap / way;
+    return end >= 0.0 ? 0.0 : end / way;
+}
+
+// The same with damping at the mean velocity, u + answer times the force; never pulling.
+static double damped_force(double elastic, double rate, double u, double answer) {
+    return elastic > 0.0 ? fmax(0.0, (elastic - rate * u) / (1.0 + rate * answer)) : 0.0;
+}
+
+// One contact over a sub-step h, from its gap and the velocity u that it would have by itself.
+static pressing press_one(const ancf_contact* c, double u, double h) {
+    pressing f = {0.0, 0.0};
+    if (c->gap >= 0.0 && c->gap + h * u >= 0.0) return f;
+    const double energy = ancf_normal_energy(&c->law, -c->gap), answer = 0.5 * h * c->own;
+    for (int i = 0; i < ROUNDS; ++i) { // each shortens the error by (frequency h)^2/4
+        const double last = f.total;
+        const double way = h * (u + answer * f.total);
+        double rate = 0.0; // of damping [N s/m]
+        f.elastic = elastic_force(&c->law, c->gap, energy, way);
+        if (c->law.kind == ANCF_NORMAL_LINEAR) rate = c->law.damping * overlapping(c->gap, way);
+        if (c->law.kind == ANCF_NORMAL_NONLINEAR) rate = 1.5 * c->law.damping * f.elastic; // Eq. 10
+        f.total = damped_force(f.elastic, rate, u, answer);
+        if (fabs(f.total - last) <= 1e-13 * f.total) break;
+    }
+    return f;
+}
+
+static void kick_along(ancf_table* t, const ancf_contact* c, double impulse, double rest) {
+    const double P[3] = {impulse * c->normal[0], impulse * c->normal[1], impulse * c->normal[2]};
+    ancf_table_kick(t, c, P, rest);
+}
+
+// Presses every contact while the others go on as they did in the round before. Returns the largest change of a force,
+// *largest is the largest force. The first round looks at all before any is kicked.
+static double press_round(ancf_table* t, double h, double rest, bool first, double* largest) {
+    double change = 0.0;
+    *largest = 0.0;
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        const double others = first ? 0.0 : along_normal(t, c) - c->speed - h * c->own * c->force;
+        const pressing f = press_one(c, c->speed + 0.5 * others, h);
+        const double more = f.total - c->force;
+        change = fmax(change, fabs(more));
+        *largest = fmax(*largest, f.total);
+        c->force = f.total;
+        c->elastic = f.elastic;
+        if (!first && more != 0.0) kick_along(t, c, h * more, rest);
+    }
+    for (int i = 0; first && i < t->n_contacts; ++i)
+        if (t->contact[i].force > 0.0) kick_along(t, &t->contact[i], h * t->contact[i].force, rest);
+    if (t->n_couplings) ancf_table_couple(t, rest);
+    return change;
+}
+
+static void substep(ancf_table* t, double h, double rest) {
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        c->speed = along_normal(t, c);
+        c->force = 0.0;
+    }
+    double largest, change = press_round(t, h, rest, true, &largest);
+    for (int i = 1; i < TOGETHER && change > together * largest; ++i) change = press_round(t, h, rest, false, &largest);
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        const double way = 0.5 * h * (c->speed + along_normal(t, c));
+        c->impulse += h * c->force;
+        c->gap += way;
+        c->damped -= (c->force - c->elastic) * way;
+        c->depth = fmax(c->depth, -c->gap);
+    }
+}
+
+void ancf_table_press(ancf_table* t, double step, int substeps) {
+    const double h = step / substeps;
+    for (int s = 0; s < substeps; ++s) substep(t, h, step - (s + 0.5) * h);
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        c->energy = ancf_normal_energy(&c->law, -c->gap);
+        if (substeps == 0) c->gap += step * along_normal(t, c);
+    }
+}

@@ -1,0 +1,303 @@
+#include "table.h"
+
+#include "ancf/shape.h"
+#include "internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+ancf_error ancf_table_create(ancf_table** table, const ancf_model* m) {
+    ancf_table* t = *table = calloc(1, sizeof *t);
+    if (!t) return ANCF_E_MEMORY;
+    t->head = calloc((size_t)m->n_dof, sizeof *t->head);
+    ancf_error error = t->head ? ancf_responses_create(&t->responses, m) : ANCF_E_MEMORY;
+    if (error) {
+        ancf_table_destroy(t);
+        *table = NULL;
+        return error;
+    }
+    for (int i = 0; i < m->n_dof; ++i) t->head[i] = -1;
+    return ANCF_OK;
+}
+
+void ancf_table_destroy(ancf_table* t) {
+    if (!t) return;
+    ancf_responses_destroy(t->responses);
+    free(t->place);
+    free(t->body);
+    free(t->contact);
+    free(t->coupling);
+    free(t->first);
+    free(t->other);
+    free(t->effect);
+    free(t->head);
+    free(t->next);
+    free(t->sum);
+    free(t->touched);
+    free(t->stiffness);
+    free(t->scratch);
+    free(t->slip);
+    free(t);
+}
+
+void ancf_table_clear(ancf_table* t) { t->n_places = t->n_bodies = t->n_contacts = t->n_couplings = 0; }
+
+// Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
+static bool reserve(void** items, int* room, int n, size_t size) {
+    if (n <= *room) return true;
+    const int wanted = n > *room + *room / 2 ? n : *room + *room / 2;
+    void* grown = realloc(*items, (size_t)wanted * size);
+    if (!grown) return false;
+    *items = grown;
+    *room = wanted;
+    return true;
+}
+
+static int add(void** items, int* n, int* room, const void* item, size_t size) {
+    if (!reserve(items, room, *n + 1 < 16 ? 16 : *n + 1, size)) return -1;
+    memcpy((char*)*items + (size_t)*n * size, item, size);
+    return (*n)++;
+}
+
+int ancf_table_add_place(ancf_table* t, const ancf_model* m, int element, double xi) {
+    ancf_place p = {.element = element, .xi = xi};
+    ancf_model_dofs(p.dof, m, element);
+    ancf_model_weights(p.S, m, element, xi);
+    p.response = ancf_responses_of(t->responses, m, element);
+    if (!p.response) return -1;
+    return add((void**)&t->place, &t->n_places, &t->room_places, &p, sizeof p);
+}
+
+int ancf_table_add_knot(ancf_table* t, const ancf_model* m, int node) {
+    const int end = m->at[m->first[node]];
+    return ancf_table_add_place(t, m, end >> 1, end & 1);
+}
+
+int ancf_table_add_body(ancf_table* t, const ancf_body* body) {
+    const int i = add((void**)&t->body, &t->n_bodies, &t->room_bodies, body, sizeof *body);
+    if (i < 0) return i;
+    ancf_body* b = &t->body[i];
+    for (int c = 0; c < 3; c++) b->impulse[c] = b->twist[c] = b->shift[c] = b->turn[c] = 0.0;
+    return i;
+}
+
+int ancf_table_add_contact(ancf_table* t, const ancf_contact* contact) {
+    return add((void**)&t->contact, &t->n_contacts, &t->room_contacts, contact, sizeof *contact);
+}
+
+int ancf_table_add_coupling(ancf_table* t, const ancf_coupling* coupling) {
+    return add((void**)&t->coupling, &t->n_couplings, &t->room_couplings, coupling, sizeof *coupling);
+}
+
+int ancf_table_contacts(const ancf_table* t) { return t->n_contacts; }
+int ancf_table_places(const ancf_table* t) { return t->n_places; }
+ancf_place* ancf_table_place(ancf_table* t, int i) { return &t->place[i]; }
+ancf_body* ancf_table_body(ancf_table* t, int i) { return &t->body[i]; }
+ancf_contact* ancf_table_contact(ancf_table* t, int i) { return &t->contact[i]; }
+ancf_coupling* ancf_table_coupling(ancf_table* t, int i) { return &t->coupling[i]; }
+
+// Velocity of unknown response->dof[k] by a unit impulse at the place.
+static double answer(const ancf_place* p, int k) {
+    const double* column = p->response->column[k];
+    return column[0] * p->S[0] + column[1] * p->S[1] + column[2] * p->S[2] + column[3] * p->S[3];
+}
+
+// What an impulse at place i does to all others: along its response, to every place that uses an unknown of it.
+static int find_effects(ancf_table* t, int i) {
+    const ancf_place* p = &t->place[i];
+    int n = 0;
+    for (int k = 0; k < p->response->n; ++k) {
+        int use = t->head[p->response->dof[k]];
+        if (use < 0) continue;
+        const double dv = answer(p, k);
+        for (; use >= 0; use = t->next[use]) {
+            const int j = use >> 2;
+            if (t->sum[j] == 0.0) t->touched[n++] = j;
+            t->sum[j] += dv * t->place[j].S[use & 3];
+            if (t->sum[j] == 0.0) t->sum[j] = 1e-300; // stays on the list
+        }
+    }
+    return n;
+}
+
+static bool make_room(ancf_table* t) {
+    const int n = t->n_places;
+    return reserve((void**)&t->first, &t->room_first, n + 1, sizeof *t->first) &&
+           reserve((void**)&t->next, &t->room_next, 4 * n, sizeof *t->next) &&
+           reserve((void**)&t->stiffness, &t->room_stiffness, n + t->n_bodies, sizeof *t->stiffness) &&
+           reserve((void**)&t->scratch, &t->room_scratch, 4 * t->n_couplings, sizeof *t->scratch) &&
+           reserve((void**)&t->slip, &t->room_slip, t->n_contacts, sizeof *t->slip);
+}
+
+static bool make_sums(ancf_table* t) {
+    if (t->n_places <= t->room_sum) return true;
+    int room = t->room_sum;
+    if (!reserve((void**)&t->touched, &room, t->n_places, sizeof *t->touched) ||
+        !reserve((void**)&t->sum, &t->room_sum, t->n_places, sizeof *t->sum))
+        return false;
+    memset(t->sum, 0, (size_t)t->room_sum * sizeof *t->sum);
+    return true;
+}
+
+// Rows of `effect`, each in the order in which its places were met.
+static ancf_error make_effects(ancf_table* t) {
+    int count = 0;
+    t->first[0] = 0;
+    for (int i = 0; i < t->n_places; ++i) {
+        const int n = find_effects(t, i);
+        int room = t->room_effect;
+        if (!reserve((void**)&t->other, &room, count + n, sizeof *t->other) ||
+            !reserve((void**)&t->effect, &t->room_effect, count + n, sizeof *t->effect)) {
+            for (int k = 0; k < n; ++k) t->sum[t->touched[k]] = 0.0;
+            return ANCF_E_MEMORY;
+        }
+        for (int k = 0; k < n; ++k, ++count) {
+            const int j = t->touched[k];
+            t->other[count] = j;
+            t->effect[count] = t->sum[j];
+            if (j == i) t->place[i].compliance = t->sum[j];
+            t->sum[j] = 0.0;
+        }
+        t->first[i + 1] = count;
+    }
+    return ANCF_OK;
+}
+
+static void list_uses(ancf_table* t) {
+    for (int i = t->n_places - 1; i >= 0; --i)
+        for (int k = 3; k >= 0; --k) {
+            if (t->place[i].S[k] == 0.0) {
+                t->next[4 * i + k] = -1;
+                continue;
+            }
+            int* head = &t->head[t->place[i].dof[k]];
+            t->next[4 * i + k] = *head;
+            *head = 4 * i + k;
+        }
+}
+
+static void forget_uses(ancf_table* t) {
+    for (int i = 0; i < t->n_places; ++i)
+        for (int k = 0; k < 4; ++k) t->head[t->place[i].dof[k]] = -1;
+}
+
+ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* velocity) {
+    if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
+    for (int i = 0; i < t->n_places; ++i) {
+        ancf_place* p = &t->place[i];
+        p->compliance = 0.0;
+        for (int c = 0; c < 3; c++) {
+            const double* u = velocity + c * m->stride;
+            p->velocity[c] =
+                p->S[0] * u[p->dof[0]] + p->S[1] * u[p->dof[1]] + p->S[2] * u[p->dof[2]] + p->S[3] * u[p->dof[3]];
+            p->impulse[c] = p->moment[c] = 0.0;
+        }
+    }
+    list_uses(t);
+    const ancf_error error = make_effects(t);
+    forget_uses(t);
+    if (error) return error;
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        c->own = ancf_table_compliance(t, c, c->normal);
+        c->impulse = c->force = c->energy = c->damped = c->rubbed = 0.0;
+        c->depth = c->gap < 0.0 ? -c->gap : 0.0;
+    }
+    return ANCF_OK;
+}
+
+void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest) {
+    ancf_place* p = &t->place[place];
+    for (int c = 0; c < 3; c++) {
+        p->impulse[c] += impulse[c];
+        p->moment[c] += rest * impulse[c];
+    }
+    for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
+        double* v = t->place[t->other[k]].velocity;
+        for (int c = 0; c < 3; c++) v[c] += t->effect[k] * impulse[c];
+    }
+}
+
+void ancf_table_kick_body(ancf_table* t, int body, const double arm[3], const double impulse[3], double rest) {
+    ancf_body* b = &t->body[body];
+    double twist[3], spin[3];
+    ancf_cross(twist, arm, impulse);
+    ancf_multiply(spin, b->inv_inertia, twist);
+    const double guided = ancf_dot(b->along, impulse);
+    for (int c = 0; c < 3; c++) {
+        const double dv = b->inv_mass[c] * impulse[c] + guided * b->along[c];
+        b->velocity[c] += dv;
+        b->spin[c] += spin[c];
+        b->shift[c] += rest * dv;
+        b->turn[c] += rest * spin[c];
+        b->impulse[c] += impulse[c];
+        b->twist[c] += twist[c];
+    }
+}
+
+void ancf_table_kick(ancf_table* t, const ancf_contact* c, const double impulse[3], double rest) {
+    const double back[3] = {-impulse[0], -impulse[1], -impulse[2]};
+    for (int s = 0; s < 2; ++s) {
+        const ancf_side* side = &c->side[s];
+        const double* given = s ? back : impulse;
+        if (side->place >= 0) ancf_table_kick_place(t, side->place, given, rest);
+        if (side->body >= 0) ancf_table_kick_body(t, side->body, side->arm, given, rest);
+    }
+}
+
+void ancf_table_slip(double v[3], const ancf_table* t, const ancf_contact* c) {
+    for (int i = 0; i < 3; i++) v[i] = 0.0;
+    for (int s = 0; s < 2; ++s) {
+        const double sign = s ? -1.0 : 1.0;
+        if (c->side[s].place >= 0)
+            for (int i = 0; i < 3; i++) v[i] += sign * t->place[c->side[s].place].velocity[i];
+        if (c->side[s].body >= 0) {
+            double u[3];
+            ancf_body_velocity(u, &t->body[c->side[s].body], c->side[s].arm);
+            for (int i = 0; i < 3; i++) v[i] += sign * u[i];
+        }
+    }
+}
+
+static double body_compliance(const ancf_body* b, const double arm[3], const double direction[3]) {
+    double twist[3], spin[3];
+    ancf_cross(twist, arm, direction);
+    ancf_multiply(spin, b->inv_inertia, twist);
+    const double guided = ancf_dot(b->along, direction);
+    double w = ancf_dot(twist, spin) + guided * guided;
+    for (int i = 0; i < 3; i++) w += b->inv_mass[i] * direction[i] * direction[i];
+    return w;
+}
+
+// Effect of one place on another.
+static double effect_on(const ancf_table* t, int from, int to) {
+    for (int k = t->first[from]; k < t->first[from + 1]; ++k)
+        if (t->other[k] == to) return t->effect[k];
+    return 0.0;
+}
+
+double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const double direction[3]) {
+    double w = 0.0;
+    for (int s = 0; s < 2; ++s) {
+        if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
+        if (c->side[s].body >= 0) w += body_compliance(&t->body[c->side[s].body], c->side[s].arm, direction);
+    }
+    if (c->side[0].place >= 0 && c->side[1].place >= 0) w -= 2.0 * effect_on(t, c->side[0].place, c->side[1].place);
+    return w > 0.0 ? w : 0.0;
+}
+
+void ancf_table_apply(const ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
+    for (int i = 0; i < t->n_places; ++i) {
+        const ancf_place* p = &t->place[i];
+        const double *J = p->impulse, *K = p->moment;
+        if (J[0] == 0.0 && J[1] == 0.0 && J[2] == 0.0) continue;
+        for (int k = 0; k < p->response->n; ++k) {
+            const double dv = answer(p, k);
+            const int dof = p->response->dof[k];
+            for (int c = 0; c < 3; c++) {
+                velocity[c * m->stride + dof] += dv * J[c];
+                shift[c * m->stride + dof] += dv * (K[c] - step * J[c]);
+            }
+        }
+    }
+}

@@ -1,0 +1,63 @@
+// What is in a table of contacts, for the files that solve it.
+#ifndef ANCF_TABLE_H
+#define ANCF_TABLE_H
+
+#include "ancf/contact.h"
+
+struct ancf_table {
+    ancf_responses* responses;
+    int n_places, n_bodies, n_contacts, n_couplings;
+    ancf_place* place;
+    ancf_body* body;
+    ancf_contact* contact;
+    ancf_coupling* coupling;
+    int room_places, room_bodies, room_contacts, room_couplings;
+
+    // Velocity at place other[k] by a unit impulse at place i, for k in first[i] .. first[i + 1] [1/kg].
+    int *first, *other;
+    double* effect;
+    int room_first, room_effect;
+
+    // For prepare: places that use an unknown, as lists, and sums by place.
+    int *head, *next; // (n_dof), (4 n_places)
+    int room_next;
+    double* sum;  // (n_places)
+    int* touched; // (n_places)
+    int room_sum;
+    double* stiffness; // (n_places + n_bodies) of the contacts there [N/m]
+    int room_stiffness;
+    double (*scratch)[3]; // (4 n_couplings) for conjugate gradients
+    int room_scratch;
+    double (*slip)[3]; // (n_contacts) before friction [m/s]
+    int room_slip;
+};
+
+static inline double ancf_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static inline void ancf_cross(double c[3], const double a[3], const double b[3]) {
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static inline void ancf_multiply(double y[3], const double A[9], const double x[3]) {
+    for (int i = 0; i < 3; i++) y[i] = ancf_dot(A + 3 * i, x);
+}
+
+// Velocity of a body's point [m/s].
+static inline void ancf_body_velocity(double v[3], const ancf_body* b, const double arm[3]) {
+    ancf_cross(v, b->spin, arm);
+    for (int i = 0; i < 3; i++) v[i] += b->velocity[i];
+}
+
+// Gives an impulse to a place or to a body's point, `rest` before the end of the step.
+void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest);
+void ancf_table_kick_body(ancf_table* t, int body, const double arm[3], const double impulse[3], double rest);
+
+// And to both sides of a contact.
+void ancf_table_kick(ancf_table* t, const ancf_contact* c, const double impulse[3], double rest);
+
+// Velocity at a side by a unit impulse along a unit vector at it, along that vector [1/kg].
+double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const double direction[3]);
+
+#endif

@@ -1,0 +1,466 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "CableContacts.hpp"
+
+#include "CableEngine.hpp"
+#include "CableGeom.hpp"
+#include "Drive.hpp"
+#include "text.hpp"
+
+#include <core/Clump.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace yade {
+
+namespace {
+    constexpr int substepsMost = 5000; // of contacts in a step
+    constexpr int restingSteps = 50;   // that an element should be able to move before it leaves its box
+    constexpr Real stepsAhead = 2.5;   // more than what the functors look for, as speeds grow until boxes are new
+    constexpr Real marginAhead = .05;  // and this part of the radius besides
+
+    Vector3r vectorOf(const Real* p) { return Vector3r(p[0], p[1], p[2]); }
+
+    void copy(Real* to, const Vector3r& from) {
+        for (int c = 0; c < 3; ++c) to[c] = from[c];
+    }
+
+    Quaternionr turned(const Vector3r& angle) {
+        const Real size = angle.norm();
+        return size > 0 ? Quaternionr(AngleAxisr(size, angle / size)) : Quaternionr::Identity();
+    }
+
+    CableGeom* geomOf(const Interaction& contact) {
+        const bool is = contact.isReal() && contact.geom->getClassIndex() == CableGeom::getClassIndexStatic();
+        return is ? static_cast<CableGeom*>(contact.geom.get()) : nullptr;
+    }
+
+    void outOfMemory() { throw std::bad_alloc(); }
+
+    int added(int number) {
+        if (number < 0) outOfMemory();
+        return number;
+    }
+} // namespace
+
+// ---------------------------------------------------------------- made, once
+
+void CableContacts::reset() {
+    table.reset();
+    boxes.reset();
+    shown->model = nullptr;
+    shown->boxes = nullptr;
+    awake.clear();
+    outgrown = true;
+}
+
+void CableContacts::makeCover(const CableEngine& cable) {
+    const ancf_model* m = cable.theModel();
+    const Scene& s = cable.theScene();
+    const size_t n = cable.length.size();
+    auto& cover = shown->cover;
+    cover.assign(n, ancf_cover {});
+    std::map<std::pair<const Material*, Real>, int> kindOf;
+    vector<bool> owned(static_cast<size_t>(m->n_nodes), false);
+    for (size_t e = 0; e < n; ++e) {
+        ancf_cover& c = cover[e];
+        c.meeting[0] = m->first[m->ends[2 * e] + 1] - m->first[m->ends[2 * e]];
+        c.meeting[1] = m->first[m->ends[2 * e + 1] + 1] - m->first[m->ends[2 * e + 1]];
+        c.segments = 1;
+        if (cable.elementIds[e] < 0) continue;
+        const Body& body = cable.elementBody(static_cast<int>(e));
+        c.radius = cable.radius[e];
+        c.segments = cable.segments[e];
+        c.points = cable.points[e] != 0;
+        c.kind = kindOf.insert({{body.material.get(), c.radius}, static_cast<int>(kindOf.size())}).first->second;
+        c.mask = static_cast<int>(body.groupMask);
+        c.structure = cable.structure[e];
+        c.own = cable.selfContact[e] != 0;
+        c.run = cable.run[e];
+        c.arc = cable.arc[e];
+        c.closed = cable.closed[e];
+        for (int k = 0; k < 2; ++k) {
+            c.owns[k] = !owned[m->ends[2 * e + k]];
+            owned[m->ends[2 * e + k]] = true;
+        }
+        if (!CableElement::of(body)) cable.refuse(text("body ", body.id, " is no CableElement"));
+    }
+    kinds = static_cast<int>(kindOf.size());
+    laws.assign(static_cast<size_t>(kinds * kinds), ancf_laws {});
+    for (const auto& [a, i] : kindOf)
+        for (const auto& [b, j] : kindOf) {
+            const auto *first = dynamic_cast<const HollarsMat*>(a.first),
+                       *second = dynamic_cast<const HollarsMat*>(b.first);
+            if (!first || !second) cable.refuse("the material of a cable's body must be a HollarsMat");
+            HollarsPhys phys;
+            mixHollars(phys, *first, *second, 1 / (1 / a.second + 1 / b.second));
+            phys.normalKind = cable.normalKind;
+            phys.frictionKind = cable.frictionKind;
+            laws[static_cast<size_t>(i * kinds + j)] = {phys.normalLaw(), phys.frictionLaw()};
+        }
+    if (s.bodies->size() > entryOfBody.size()) entryOfBody.resize(s.bodies->size());
+}
+
+void CableContacts::build(CableEngine& cable) {
+    const ancf_model* m = cable.theModel();
+    makeCover(cable);
+    ancf_table* newTable = nullptr;
+    ancf_boxes* newBoxes = nullptr;
+    if (ancf_table_create(&newTable, m)) outOfMemory();
+    table.reset(newTable);
+    if (ancf_boxes_create(&newBoxes, m, shown->cover.data())) outOfMemory();
+    boxes.reset(newBoxes);
+    plan(cable);
+    shown->boxes = boxes.get();
+    shown->model = m;
+    outgrown = true;
+}
+
+// ---------------------------------------------------------------- where contact can be
+
+// How large the boxes are: for some steps at the speeds of now, and what else moves as fast as it does.
+void CableContacts::plan(const CableEngine& cable) {
+    const Scene& s = cable.theScene();
+    Real fastest = 0, thickest = 0;
+    for (const auto& body : *s.bodies)
+        if (!CableElement::of(*body)) fastest = std::max(fastest, body->state->vel.squaredNorm());
+    for (const ancf_cover& c : shown->cover) thickest = std::max(thickest, c.radius);
+    const Real speed = std::sqrt(fastest) + ancf_boxes_fastest(cable.theModel());
+    ahead = stepsAhead * s.dt * speed + marginAhead * thickest;
+    ancf_boxes_plan(boxes.get(), cable.theModel(), s.dt, restingSteps, ahead);
+}
+
+// After the collider has run: the boxes are those of now, and only elements in an interaction are looked at until then.
+void CableContacts::lookAround(const CableEngine& cable) {
+    const Scene& s = *cable.scene;
+    const bool ran = [&] {
+        for (const Body::id_t id : cable.elementIds)
+            if (id >= 0 && (*s.bodies)[id]) {
+                const auto& bound = (*s.bodies)[id]->bound;
+                return bound && bound->lastUpdateIter == s.iter;
+            }
+        return false;
+    }();
+    if (!outgrown && !ran) return;
+    if (ancf_boxes_set(boxes.get(), cable.theModel()) < 0) outOfMemory();
+    placeBodies(cable);
+    awake.clear();
+    for (int e = 0; e < cable.nElements(); ++e)
+        if (cable.elementIds[e] >= 0 && !(cable.sleep && cable.elementBody(e).intrs.empty())) awake.push_back(e);
+}
+
+void CableContacts::placeBodies(const CableEngine& cable) const {
+    for (int e = 0; e < cable.nElements(); ++e) {
+        if (cable.elementIds[e] < 0) continue;
+        const Body& body = cable.elementBody(e);
+        Real middle[3];
+        ancf_model_at(middle, cable.theModel(), cable.theModel()->x, e, .5);
+        body.state->pos = vectorOf(middle);
+        if (body.bound) body.bound->refPos = body.state->pos; // an integrator that visits it sees no way
+    }
+}
+
+int CableContacts::asleep(const CableEngine& cable) const {
+    const auto bodies = std::count_if(cable.elementIds.begin(), cable.elementIds.end(), [](int id) { return id >= 0; });
+    return static_cast<int>(bodies) - static_cast<int>(awake.size());
+}
+
+// ---------------------------------------------------------------- gathered
+
+// The body as it will move without the cables' forces.
+int CableContacts::addBody(const CableEngine& cable, const Body& body) {
+    if (stamp[body.id] == cable.scene->iter) return entryOfBody[body.id];
+    Scene& s = *cable.scene;
+    const State& state = *body.state;
+    const Mobility m = mobility(s, body);
+    const int carrier = cable.carrierOf(body.id);
+    Vector3r vel = state.vel, spin = state.angVel, force = Vector3r::Zero(), torque = Vector3r::Zero();
+    if (m.movable()) forceOn(s, body, force, torque);
+    if (drivenBody(s, body)) {
+        eachDrive(s, [&](const Drive& drive) { drive.predict(vel, spin, s, body, force, torque); });
+    } else if (m.movable()) {
+        for (int c = 0; c < 3; ++c)
+            if (m.inverseMass[c] > 0) vel[c] += s.dt * (m.inverseMass[c] * force[c] + cable.gravity[c]);
+        if (body.isAspherical()) {
+            const Vector3r local = state.ori.conjugate() * state.angVel;
+            torque -= state.angVel.cross(state.ori * state.inertia.cwiseProduct(local));
+        }
+        spin += s.dt * (m.inverseInertia * torque);
+    }
+    if (carrier >= 0) vel = Vector3r::Zero(); // its knot moves it
+    ancf_body b {};
+    copy(b.position, state.pos);
+    copy(b.velocity, vel);
+    copy(b.spin, spin);
+    copy(b.inv_mass, carrier >= 0 ? Vector3r(Vector3r::Zero()) : m.inverseMass);
+    copy(b.along, m.along);
+    for (int c = 0; c < 3; ++c) copy(b.inv_inertia + 3 * c, m.inverseInertia.row(c));
+    entries.push_back({body.id, vel, spin, carrier});
+    stamp[body.id] = s.iter;
+    return entryOfBody[body.id] = added(ancf_table_add_body(table.get(), &b));
+}
+
+ancf_side CableContacts::sideOf(const CableEngine& cable, const Body& touched, const Vector3r& at) {
+    const Body& body = movedBody(*cable.scene, touched);
+    ancf_side side {-1, addBody(cable, body), {0, 0, 0}};
+    copy(side.arm, at - body.state->pos);
+    const int carrier = entries[side.body].carrier;
+    if (carrier < 0) return side;
+    int& knot = knotOfCarrier[carrier];
+    if (knot < 0) knot = added(ancf_table_add_knot(table.get(), cable.theModel(), cable.carryNodes[carrier]));
+    side.place = knot;
+    return side;
+}
+
+// element: that of the second body, or -1 for a sphere that a knot carries.
+void CableContacts::addContact(const CableEngine& cable, const Interaction& contact, int element) {
+    CableGeom* geom = geomOf(contact);
+    if (!geom || geom->xi.empty()) return;
+    auto* phys = static_cast<HollarsPhys*>(contact.phys.get());
+    phys->normalKind = cable.normalKind;
+    phys->frictionKind = cable.frictionKind;
+    const Body &first = *(*cable.scene->bodies)[contact.getId1()], &second = *(*cable.scene->bodies)[contact.getId2()];
+    Row row {geom, phys, ancf_table_contacts(table.get()), 0};
+    for (size_t i = 0; i < geom->xi.size(); ++i) {
+        ancf_contact c {};
+        c.law = phys->normalLaw();
+        c.rub = phys->frictionLaw();
+        Vector3r at = geom->point[i]; // forces on a cable act at its centreline: it has no twist to take their torque
+        if (element >= 0) {
+            const ancf_cover& cover = shown->cover[element];
+            c.side[0] = {
+                added(ancf_table_add_place(table.get(), cable.theModel(), element, geom->xi[i])), -1, {0, 0, 0}};
+            if (!cover.points) c.law.stiffness *= ancf_cover_share(&cover, geom->segment[i], geom->xi[i]);
+        } else {
+            at = geom->contactPoint;
+            c.side[0] = sideOf(cable, second, at);
+        }
+        c.side[1] = sideOf(cable, first, at);
+        copy(c.normal, geom->normals[i]);
+        copy(c.friction, geom->friction[i]);
+        c.gap = geom->gap[i];
+        added(ancf_table_add_contact(table.get(), &c));
+    }
+    row.end = ancf_table_contacts(table.get());
+    rows.push_back(row);
+}
+
+void CableContacts::addElements(const CableEngine& cable) {
+    for (const int e : awake)
+        for (const auto& [id, contact] : cable.elementBody(e).intrs) addContact(cable, *contact, e);
+}
+
+void CableContacts::addCarried(const CableEngine& cable) {
+    const auto add = [&](const Body& body) {
+        if (!CarriedSphere::is(body)) return;
+        for (const auto& [id, contact] : body.intrs)
+            if (contact->getId2() == body.id) addContact(cable, *contact, -1);
+    };
+    for (const Body::id_t id : cable.carryIds) {
+        const Body& body = *(*cable.scene->bodies)[id];
+        add(body);
+        if (body.isClump())
+            for (const auto& member : static_cast<const Clump&>(*body.shape).members)
+                add(*(*cable.scene->bodies)[member.first]);
+    }
+}
+
+void CableContacts::addCouplings(const CableEngine& cable) {
+    for (size_t i = 0; i < cable.carryIds.size(); ++i) {
+        if (cable.carrierOf(cable.carryIds[i]) >= 0) continue;
+        const Body& body = *(*cable.scene->bodies)[cable.carryIds[i]];
+        ancf_coupling c {};
+        c.body = addBody(cable, body);
+        c.place = added(ancf_table_add_knot(table.get(), cable.theModel(), cable.carryNodes[i]));
+        const Vector3r arm = body.state->ori * cable.carryAt[i], spin = entries[c.body].spinBefore;
+        copy(c.arm, arm);
+        copy(c.ahead, .5 * cable.scene->dt * spin.cross(spin.cross(arm)));
+        added(ancf_table_add_coupling(table.get(), &c));
+    }
+}
+
+void CableContacts::addCrossings(CableEngine& cable) {
+    const ancf_model* m = cable.theModel();
+    firstCrossing = ancf_table_contacts(table.get());
+    int meetings;
+    ancf_boxes_meetings(boxes.get(), &meetings);
+    if (meetings == 0) return;
+    Real thinnest = std::numeric_limits<Real>::infinity();
+    for (const ancf_cover& c : shown->cover)
+        if (c.radius > 0) thinnest = std::min(thinnest, c.radius);
+    const Real reach = 1.5 * cable.scene->dt * 2 * ancf_boxes_fastest(m) + .02 * thinnest;
+    added(ancf_cross_add(table.get(), boxes.get(), shown->cover.data(), m, laws.data(), kinds, reach, memory.data(),
+                         static_cast<int>(memory.size())));
+}
+
+void CableContacts::gather(CableEngine& cable) {
+    ancf_table_clear(table.get());
+    entries.clear();
+    rows.clear();
+    const size_t bodies = cable.scene->bodies->size();
+    if (stamp.size() < bodies) stamp.resize(bodies, -1);
+    if (entryOfBody.size() < bodies) entryOfBody.resize(bodies);
+    knotOfCarrier.assign(cable.carryIds.size(), -1);
+    lookAround(cable);
+    addCouplings(cable);
+    addElements(cable);
+    addCarried(cable);
+    addCrossings(cable);
+}
+
+// ---------------------------------------------------------------- solved
+
+void CableContacts::solve(CableEngine& cable, const ancf_time& time) {
+    ancf_model* m = cable.theModel();
+    ancf_table* t = table.get();
+    const int n = ancf_table_contacts(t);
+    cable.contactSteps = cable.sweeps = 0;
+    if (n == 0 && !cable.coupled()) {
+        velocity = m->free;
+        way = nullptr;
+        return;
+    }
+    after.assign(m->free, m->free + cable.position.size());
+    shift.assign(cable.position.size(), 0);
+    velocity = after.data();
+    way = shift.data();
+    if (ancf_table_prepare(t, m, m->free)) outOfMemory();
+    ancf_table_couple(t, time.step);
+    int stiffest = 0;
+    cable.contactSteps = ancf_table_substeps(t, time.step, &stiffest);
+    if (cable.contactSteps > substepsMost)
+        cable.refuse(text("at iteration ", cable.scene->iter, " ", nameOf(cable, stiffest), " would need ",
+                          cable.contactSteps, " sub-steps in O.dt = ", time.step,
+                          " s: it is too stiff, or what touches too light or too fast; use O.dt <= ",
+                          time.step * substepsMost / cable.contactSteps));
+    ancf_table_press(t, time.step, cable.contactSteps);
+    cable.sweeps = ancf_table_rub(t, time.step, &cable.frictionLeft);
+    if (cable.sweeps > 0) ancf_table_couple(t, time.step);
+    ancf_table_apply(t, m, time.step, after.data(), shift.data());
+}
+
+string CableContacts::nameOf(const CableEngine& cable, int contact) const {
+    for (const Row& row : rows)
+        if (contact >= row.begin && contact < row.end)
+            for (const auto& i : *cable.scene->interactions)
+                if (i->geom.get() == row.geom) return text("the contact of bodies ", i->getId1(), " and ", i->getId2());
+    const ancf_contact* c = ancf_table_contact(table.get(), contact);
+    return text("the contact of the elements ", c->key[0], " and ", c->key[1]);
+}
+
+// ---------------------------------------------------------------- given back
+
+// Forces to the bodies, for whoever integrates them; the rest of what moved them within the step to their places.
+void CableContacts::giveBodies(const CableEngine& cable) const {
+    Scene& s = *cable.scene;
+    for (size_t i = 0; i < entries.size(); ++i) {
+        const ancf_body& b = *ancf_table_body(table.get(), static_cast<int>(i));
+        const Body& body = *(*s.bodies)[entries[i].id];
+        const Vector3r impulse = vectorOf(b.impulse), twist = vectorOf(b.twist);
+        if (impulse == Vector3r::Zero() && twist == Vector3r::Zero()) continue;
+        s.forces.addTorque(body.id, twist / s.dt);
+        const bool driven = drivenBody(s, body);
+        const Vector3r turn = vectorOf(b.turn) - s.dt * (vectorOf(b.spin) - entries[i].spinBefore);
+        if (!driven && turn != Vector3r::Zero()) body.state->ori = turned(turn) * body.state->ori;
+        if (entries[i].carrier >= 0) continue;
+        s.forces.addForce(body.id, impulse / s.dt);
+        body.state->pos += vectorOf(b.shift) - s.dt * (vectorOf(b.velocity) - entries[i].before);
+    }
+}
+
+// Forces to the contacts of YADE, for whoever reads them.
+void CableContacts::giveRows(const CableEngine& cable) const {
+    const Real dt = cable.scene->dt;
+    for (const Row& row : rows) {
+        Vector3r normal = Vector3r::Zero(), friction = Vector3r::Zero();
+        row.phys->kn = row.phys->ks = 0;
+        for (int i = row.begin; i < row.end; ++i) {
+            const ancf_contact& c = *ancf_table_contact(table.get(), i);
+            const Vector3r rubbed = vectorOf(c.friction);
+            row.geom->friction[static_cast<size_t>(i - row.begin)] = rubbed;
+            row.geom->force[static_cast<size_t>(i - row.begin)] = c.impulse / dt;
+            friction += rubbed;
+            normal += c.impulse / dt * vectorOf(c.normal);
+            row.phys->kn += ancf_normal_tangent(&c.law, c.depth);
+            row.phys->ks += c.impulse / dt * ancf_friction_slope(&c.rub) / dt;
+        }
+        row.phys->normalForce = normal;
+        row.phys->shearForce = friction;
+    }
+}
+
+void CableContacts::give(CableEngine& cable, const ancf_time& time) {
+    ancf_model* m = cable.theModel();
+    ancf_table* t = table.get();
+    if (!way) {
+        cable.contacts = 0;
+        memory.clear();
+        giveRows(cable);
+        for (size_t i = 0; i < cable.carryIds.size(); ++i) cable.setCarryReaction(i, Vector3r::Zero());
+        return;
+    }
+    giveBodies(cable);
+    giveRows(cable);
+    const int n = ancf_table_contacts(t);
+    cable.contacts = 0;
+    for (int i = 0; i < n; ++i) {
+        const ancf_contact& c = *ancf_table_contact(t, i);
+        cable.contacts += c.impulse > 0;
+        cable.maxPenetration = std::max(cable.maxPenetration, c.depth);
+    }
+    memory.resize(static_cast<size_t>(n - firstCrossing));
+    memory.resize(static_cast<size_t>(ancf_cross_keep(memory.data(), t, firstCrossing, n)));
+    for (int i = 0; i < ancf_table_places(t); ++i) { // what the reactions are found from
+        const ancf_place& p = *ancf_table_place(t, i);
+        const Vector3r force = vectorOf(p.impulse) / ancf_acting(&time);
+        ancf_model_add_force(m, m->f, p.element, p.xi, force.data());
+    }
+    int coupling = 0;
+    for (size_t i = 0; i < cable.carryIds.size(); ++i) {
+        if (cable.carrierOf(cable.carryIds[i]) < 0) {
+            const ancf_coupling& c = *ancf_table_coupling(t, coupling++);
+            cable.carryReaction[i] = vectorOf(c.impulse) / ancf_kick(&time);
+        } else {
+            const int knot = knotOfCarrier[i];
+            cable.setCarryReaction(i, knot < 0 ? Vector3r(Vector3r::Zero())
+                                               : Vector3r(vectorOf(ancf_table_place(t, knot)->impulse) / time.step));
+        }
+    }
+}
+
+void CableContacts::look(CableEngine& cable) {
+    outgrown = !cable.sleep || !ancf_boxes_hold(boxes.get(), cable.theModel());
+    if (!outgrown) return;
+    plan(cable);
+    cable.scene->doSort = true;
+}
+
+void CableContacts::track(Real& elastic, Real& damped, Real& rubbed) const {
+    elastic = damped = rubbed = 0;
+    for (int i = 0; i < ancf_table_contacts(table.get()); ++i) {
+        const ancf_contact& c = *ancf_table_contact(table.get(), i);
+        elastic += c.energy;
+        damped += c.damped;
+        rubbed += c.rubbed;
+    }
+}
+
+// ---------------------------------------------------------------- saved
+
+void CableContacts::keep(vector<int>& pairs, vector<Vector3r>& friction) const {
+    for (const ancf_memory& one : memory) {
+        pairs.insert(pairs.end(), {one.first, one.second, one.segment});
+        friction.push_back(vectorOf(one.friction));
+    }
+}
+
+void CableContacts::remember(const vector<int>& pairs, const vector<Vector3r>& friction) {
+    memory.clear();
+    for (size_t i = 0; i < friction.size() && 3 * i + 2 < pairs.size(); ++i) {
+        memory.push_back({pairs[3 * i], pairs[3 * i + 1], pairs[3 * i + 2], {0, 0, 0}});
+        copy(memory.back().friction, friction[i]);
+    }
+}
+
+} // namespace yade

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The contacts and couplings of a CableEngine in one step: found, gathered into the table of plugin/c, solved, given
+// back. In that order in the source as well.
+#pragma once
+
+#include "CableElement.hpp"
+#include "HollarsPhys.hpp"
+#include "Mobility.hpp"
+
+#include <memory>
+
+extern "C" {
+#include "ancf/contact.h"
+#include "ancf/cross.h"
+#include "ancf/step.h"
+}
+
+namespace yade {
+
+class CableEngine;
+class CableGeom;
+
+class CableContacts {
+    template <class T, void (*destroy)(T*)> struct Deleter {
+        void operator()(T* p) const { destroy(p); }
+    };
+    std::unique_ptr<ancf_table, Deleter<ancf_table, ancf_table_destroy>> table;
+    std::unique_ptr<ancf_boxes, Deleter<ancf_boxes, ancf_boxes_destroy>> boxes;
+
+    struct Entry { // of a body in the table
+        Body::id_t id;
+        Vector3r before, spinBefore; // as it would move without the table [m/s], [rad/s]
+        int carrier;                 // number in carryNodes where it moves with its knot, or -1
+    };
+    struct Row { // of a contact of YADE's in the table: its places are the contacts begin .. end-1
+        CableGeom* geom;
+        HollarsPhys* phys;
+        int begin, end;
+    };
+    shared_ptr<CableView> shown {new CableView};
+    vector<int> awake;     // elements whose bodies are in interactions
+    vector<Entry> entries; // by number of the body in the table
+    vector<Row> rows;
+    vector<int> entryOfBody;   // (bodies) number in the table if that of `stamp` is this step
+    vector<long> stamp;        // (bodies)
+    vector<int> knotOfCarrier; // place in the table, or -1
+    vector<ancf_laws> laws;    // of two kinds of cover
+    int kinds = 0;
+    vector<ancf_memory> memory;                     // friction between cables in the step before
+    int firstCrossing = 0;                          // contact of the table at which those between cables begin
+    bool outgrown = true;                           // an element has left its box: new ones in the next step
+    Real ahead = 0;                                 // how far beyond its box an element sees [m]
+    vector<Real> after, shift;                      // fields: velocities with contacts, displacements besides
+    const Real *velocity = nullptr, *way = nullptr; // what this step goes on with
+
+    void makeCover(const CableEngine& cable);
+    void plan(const CableEngine& cable);
+    void lookAround(const CableEngine& cable);
+    void placeBodies(const CableEngine& cable) const;
+    int addBody(const CableEngine& cable, const Body& touched);
+    ancf_side sideOf(const CableEngine& cable, const Body& touched, const Vector3r& at);
+    void addContact(const CableEngine& cable, const Interaction& contact, int element);
+    void addElements(const CableEngine& cable);
+    void addCarried(const CableEngine& cable);
+    void addCouplings(const CableEngine& cable);
+    void addCrossings(CableEngine& cable);
+    string nameOf(const CableEngine& cable, int contact) const;
+    void giveBodies(const CableEngine& cable) const;
+    void giveRows(const CableEngine& cable) const;
+
+public:
+    shared_ptr<const CableView> view() const { return shown; }
+    void reset(); // the model is gone
+    void build(CableEngine& cable);
+
+    void gather(CableEngine& cable);
+    void solve(CableEngine& cable, const ancf_time& time);
+    void give(CableEngine& cable, const ancf_time& time);
+    void look(CableEngine& cable);                                   // after the step: do the boxes hold?
+    void keep(vector<int>& pairs, vector<Vector3r>& friction) const; // what the next step remembers
+    void remember(const vector<int>& pairs, const vector<Vector3r>& friction);
+
+    const Real* newVelocity() const { return velocity; }
+    const Real* displacement() const { return way; } // besides that velocity times the step; null: none
+    int asleep(const CableEngine& cable) const;
+    void track(Real& elastic, Real& damped, Real& rubbed) const; // energies of this step [J]
+};
+
+} // namespace yade

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "CableElement.hpp"
+
+#include "CableEngine.hpp"
+
+#include <core/Aabb.hpp>
+#include <core/Scene.hpp>
+
+#include <mutex>
+
+namespace yade {
+
+YADE_PLUGIN((CableElement)(Bo1_CableElement_Aabb))
+
+const CableView* CableElement::view(const Scene& scene) const {
+    if (seen && seen->model) return seen.get();
+    static std::mutex building; // functors run side by side
+    const std::lock_guard<std::mutex> lock(building);
+    if (!seen || !seen->model) seen = CableEngine::viewOf(scene, family);
+    return seen && seen->model && element >= 0 && element < seen->model->n_elements ? seen.get() : nullptr;
+}
+
+void Bo1_CableElement_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r&, const Body*) {
+    const auto& element = static_cast<const CableElement&>(*shape);
+    const CableView* view = element.view(*scene);
+    if (!view) return;
+    ancf_box box;
+    ancf_boxes_of(&box, view->boxes, view->model, element.element);
+    if (!bound) bound = shared_ptr<Bound>(new Aabb);
+    bound->min = Vector3r(box.low[0], box.low[1], box.low[2]);
+    bound->max = Vector3r(box.high[0], box.high[1], box.high[2]);
+}
+
+} // namespace yade

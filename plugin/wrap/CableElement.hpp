@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The body of a cable's element: what the collider and the contact functors see. Nobody moves it; it shows the curve of
+// its CableEngine.
+#pragma once
+
+#include <core/Body.hpp>
+#include <core/Dispatching.hpp>
+
+#include <algorithm>
+
+extern "C" {
+#include "ancf/boxes.h"
+}
+
+namespace yade {
+
+// What the bodies of an engine's elements read of it; empty until it is built.
+struct CableView {
+    const ancf_model* model = nullptr;
+    const ancf_boxes* boxes = nullptr;
+    vector<ancf_cover> cover; // by element
+};
+
+class CableElement : public Shape {
+    mutable shared_ptr<const CableView> seen;
+
+public:
+    // The body's shape as a cable element, or null.
+    static const CableElement* of(const Body& body) {
+        const bool is = body.shape && body.shape->getClassIndex() == CableElement::getClassIndexStatic();
+        return is ? static_cast<const CableElement*>(body.shape.get()) : nullptr;
+    }
+    bool excludes(Body::id_t other) const {
+        return !exclude.empty() && std::find(exclude.begin(), exclude.end(), other) != exclude.end();
+    }
+    // Null where the engine is missing or cannot be built, which it tells in its own step.
+    const CableView* view(const Scene& scene) const;
+
+    // clang-format off
+    YADE_CLASS_BASE_DOC_ATTRS_CTOR(CableElement, Shape,
+        "One element of a cable, on the true curve of its :yref:`CableEngine`. Its body is blocked in all freedoms and "
+        "has no mass; its position is the middle of the element when the collider last ran.",
+        ((int, element, -1, , "Number in the engine."))
+        ((int, family, 0, , "Number of its :yref:`CableEngine`."))
+        ((Real, radius, 0, , "Half the diameter of the cable [m]."))
+        ((vector<int>, exclude, , , "Bodies that it never touches.")),
+        createIndex();
+    )
+    // clang-format on
+    REGISTER_CLASS_INDEX(CableElement, Shape)
+};
+REGISTER_SERIALIZABLE(CableElement);
+
+class Bo1_CableElement_Aabb : public BoundFunctor {
+public:
+    void go(const shared_ptr<Shape>&, shared_ptr<Bound>&, const Se3r&, const Body*) override;
+    FUNCTOR1D(CableElement)
+    // clang-format off
+    YADE_CLASS_BASE_DOC(Bo1_CableElement_Aabb, BoundFunctor,
+        "Box around the control points of a :yref:`CableElement`, with the room that its engine leaves it to move in.")
+    // clang-format on
+};
+REGISTER_SERIALIZABLE(Bo1_CableElement_Aabb);
+
+} // namespace yade

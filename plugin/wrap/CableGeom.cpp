@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "CableGeom.hpp"
+
+#include <core/Interaction.hpp>
+#include <core/Scene.hpp>
+
+#include <array>
+
+namespace yade {
+
+YADE_PLUGIN((CarriedSphere)(CableGeom)(Law2_CableGeom_HollarsPhys_Hollars))
+YADE_PLUGIN((Ig2_Sphere_CableElement_CableGeom)(Ig2_Box_CableElement_CableGeom)(Ig2_Facet_CableElement_CableGeom))
+YADE_PLUGIN((Ig2_Wall_CableElement_CableGeom)(Ig2_Sheave_CableElement_CableGeom))
+YADE_PLUGIN((Ig2_Sphere_CarriedSphere_CableGeom)(Ig2_Box_CarriedSphere_CableGeom)(Ig2_Facet_CarriedSphere_CableGeom))
+YADE_PLUGIN((Ig2_Wall_CarriedSphere_CableGeom)(Ig2_Sheave_CarriedSphere_CableGeom))
+
+namespace {
+    constexpr Real stepsAhead = 1.5;  // what two bodies may do in this many steps is looked for
+    constexpr Real marginAhead = .02; // and this part of the cable's or sphere's radius besides
+
+    Vector3r vectorOf(const double* p) { return Vector3r(p[0], p[1], p[2]); }
+
+    void copy(double* to, const Vector3r& from) {
+        for (int c = 0; c < 3; ++c) to[c] = from[c];
+    }
+
+    void setAxes(ancf_solid& s, const Quaternionr& ori) {
+        const Matrix3r axes = ori.toRotationMatrix();
+        for (int i = 0; i < 3; ++i) copy(s.axis[i], axes.col(i));
+    }
+
+    ancf_solid solidOf(const Sphere& sphere, const State& state) {
+        ancf_solid s {};
+        s.kind = ANCF_BALL;
+        copy(s.center, state.pos);
+        s.size[0] = sphere.radius;
+        return s;
+    }
+
+    ancf_solid solidOf(const Box& box, const State& state) {
+        ancf_solid s {};
+        s.kind = ANCF_BOX;
+        copy(s.center, state.pos);
+        copy(s.size, box.extents);
+        setAxes(s, state.ori);
+        return s;
+    }
+
+    ancf_solid solidOf(const Facet& facet, const State& state) {
+        ancf_solid s {};
+        s.kind = ANCF_TRIANGLE;
+        copy(s.center, state.pos);
+        for (int i = 0; i < 3; ++i) copy(s.corner[i], state.pos + state.ori * facet.vertices[i]);
+        return s;
+    }
+
+    ancf_solid solidOf(const Wall& wall, const State& state) {
+        ancf_solid s {};
+        s.kind = ANCF_PLANE;
+        copy(s.center, state.pos);
+        s.axis[0][wall.axis] = 1;
+        s.sense = wall.sense;
+        return s;
+    }
+
+    ancf_solid solidOf(const Sheave& sheave, const State& state) {
+        ancf_solid s {};
+        s.kind = ANCF_WHEEL;
+        copy(s.center, state.pos);
+        copy(s.axis[0], Sheave::axisOf(state.ori));
+        s.groove = &sheave.groove();
+        return s;
+    }
+
+    // Largest speed of a body's points within a distance.
+    Real fastest(const State& state, Real distance) {
+        const Real turning =
+            state.angVel == Vector3r::Zero() || !std::isfinite(distance) ? 0 : state.angVel.norm() * distance;
+        return state.vel.norm() + turning;
+    }
+
+    Real fastest(const ancf_model& m, int element) {
+        int dof[4];
+        ancf_model_dofs(dof, &m, element);
+        const Real third = m.element[element].kind & ANCF_SPRING ? 0 : m.element[element].length / 3;
+        Real ends[2];
+        for (int k = 0; k < 2; ++k) {
+            Vector3r node, slope;
+            for (int c = 0; c < 3; ++c) {
+                node[c] = m.v[c * m.stride + dof[2 * k]];
+                slope[c] = m.v[c * m.stride + dof[2 * k + 1]];
+            }
+            ends[k] = node.norm() + third * slope.norm();
+        }
+        return std::max(ends[0], ends[1]);
+    }
+
+    bool accept(const shared_ptr<Interaction>& contact, const ancf_nearest* found, int n, Real radius1, Real radius2) {
+        if (n == 0 && !contact->geom) return false;
+        if (!contact->geom) contact->geom = shared_ptr<CableGeom>(new CableGeom);
+        auto& geom = static_cast<CableGeom&>(*contact->geom);
+        geom.refR1 = radius1;
+        geom.refR2 = radius2;
+        geom.set(found, n);
+        return true;
+    }
+
+    bool nearCable(const Scene& scene, const ancf_solid& solid, const State& state, Real radius, const Shape& shape2,
+                   const shared_ptr<Interaction>& contact) {
+        constexpr int most = 65;
+        std::array<ancf_nearest, most> found;
+        const auto& element = static_cast<const CableElement&>(shape2);
+        const CableView* view = element.view(scene);
+        if (!view) return accept(contact, found.data(), 0, 0, 0);
+        const ancf_cover& cover = view->cover[element.element];
+        int n = 0;
+        if (!element.excludes(contact->getId1())) {
+            ancf_cubic cubic;
+            ancf_cover_cubic(&cubic, view->model, view->model->x, element.element);
+            const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(*view->model, element.element);
+            const Real reach = stepsAhead * scene.dt * speed + marginAhead * cover.radius;
+            n = ancf_cover_touch(found.data(), &cover, &cubic, &solid, reach);
+        }
+        return accept(contact, found.data(), n, radius > 0 ? radius : cover.radius, cover.radius);
+    }
+
+    bool nearSphere(const Scene& scene, const ancf_solid& solid, const State& state, Real radius, const Shape& shape2,
+                    const State& state2, const shared_ptr<Interaction>& contact) {
+        const Real own = static_cast<const Sphere&>(shape2).radius;
+        ancf_nearest found {};
+        copy(found.point, state2.pos);
+        found.gap = ancf_solid_distance(found.normal, &solid, found.point) - own;
+        const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(state2, own);
+        const bool near = found.gap < stepsAhead * scene.dt * speed + marginAhead * own;
+        return accept(contact, &found, near ? 1 : 0, radius > 0 ? radius : own, own);
+    }
+} // namespace
+
+void CableGeom::set(const ancf_nearest* found, int n) {
+    const vector<int> before = segment;
+    const vector<Vector3r> kept = friction;
+    const size_t size = static_cast<size_t>(n);
+    segment.resize(size);
+    xi.resize(size);
+    gap.resize(size);
+    point.resize(size);
+    normals.resize(size);
+    force.assign(size, 0);
+    friction.assign(size, Vector3r::Zero());
+    size_t nearest = 0;
+    for (size_t i = 0, old = 0; i < size; ++i) {
+        segment[i] = found[i].segment;
+        xi[i] = found[i].xi;
+        gap[i] = found[i].gap;
+        point[i] = vectorOf(found[i].point);
+        normals[i] = vectorOf(found[i].normal);
+        while (old < before.size() && before[old] < segment[i]) ++old;
+        if (old < before.size() && before[old] == segment[i]) friction[i] = kept[old];
+        if (gap[i] < gap[nearest]) nearest = i;
+    }
+    if (n == 0) return;
+    normal = normals[nearest];
+    contactPoint = point[nearest] - (refR2 + gap[nearest] / 2) * normal;
+}
+
+#define ANCF_NEAR_CABLE(Kind, radius)                                                                                  \
+    bool Ig2_##Kind##_CableElement_CableGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,     \
+                                                 const State& state1, const State&, const Vector3r&, const bool&,      \
+                                                 const shared_ptr<Interaction>& contact) {                             \
+        const auto& first = static_cast<const Kind&>(*shape1);                                                         \
+        return nearCable(*scene, solidOf(first, state1), state1, radius, *shape2, contact);                            \
+    }
+#define ANCF_NEAR_SPHERE(Kind, radius)                                                                                 \
+    bool Ig2_##Kind##_CarriedSphere_CableGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,    \
+                                                  const State& state1, const State& state2, const Vector3r&,           \
+                                                  const bool&, const shared_ptr<Interaction>& contact) {               \
+        const auto& first = static_cast<const Kind&>(*shape1);                                                         \
+        return nearSphere(*scene, solidOf(first, state1), state1, radius, *shape2, state2, contact);                   \
+    }
+#define ANCF_NEAR(Kind, radius) ANCF_NEAR_CABLE(Kind, radius) ANCF_NEAR_SPHERE(Kind, radius)
+
+ANCF_NEAR(Sphere, first.radius)
+ANCF_NEAR(Box, (static_cast<void>(first), 0))
+ANCF_NEAR(Facet, (static_cast<void>(first), 0))
+ANCF_NEAR(Wall, (static_cast<void>(first), 0))
+ANCF_NEAR(Sheave, first.radius)
+
+bool Law2_CableGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& geom, shared_ptr<IPhys>& phys, Interaction*) {
+    if (!static_cast<const CableGeom&>(*geom).xi.empty()) return true;
+    auto& ended = static_cast<HollarsPhys&>(*phys);
+    ended.kn = ended.ks = 0;
+    ended.normalForce = ended.shearForce = Vector3r::Zero();
+    return false;
+}
+
+} // namespace yade

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The engine made ready, and one step of it.
+#include "CableEngine.hpp"
+
+#include "CableNodes.hpp"
+#include "Drive.hpp"
+
+#include <pkg/dem/NewtonIntegrator.hpp>
+
+extern "C" {
+#include "ancf/elastic.h"
+#include "ancf/stability.h"
+}
+
+namespace yade {
+
+// ---------------------------------------------------------------- getting ready
+
+namespace {
+    bool centred(const Scene& s, const Body& body, const Vector3r& place) {
+        return place.norm() == 0 && (body.state->blockedDOFs & State::DOF_XYZ) == State::DOF_XYZ &&
+               !placedByDrive(s, body);
+    }
+} // namespace
+
+void CableEngine::makeModel() {
+    const size_t n = static_cast<size_t>(nNodes), e = length.size(), size = 3 * static_cast<size_t>(getStride());
+    if (kind.size() != e || ea.size() != e || ei.size() != e || rhoA.size() != e || kelvinVoigt.size() != e)
+        refuse(text("kind, length, ea, ei, rhoA and kelvinVoigt must have one length, ", next.size()));
+    if (position.size() != size || velocity.size() != size)
+        refuse(text("position and velocity must have ", size, " entries, 3 blocks of stride"));
+    vector<ancf_element> elements;
+    for (size_t i = 0; i < e; ++i) elements.push_back({kind[i], length[i], ea[i], ei[i], rhoA[i], kelvinVoigt[i]});
+    vector<Real> mass(n, 0);
+    for (size_t i = 0; i < carryNodes.size(); ++i) {
+        const Body& body = bodyOf(theScene(), carryIds[i], "carry");
+        if (centred(theScene(), body, carryAt[i])) mass[carryNodes[i]] += body.state->mass;
+    }
+    vector<int> hold(n + 2 * e, ANCF_FREE);
+    for (const int node : fixedNodes) hold[node] = ANCF_HELD;
+    for (const int node : followNodes) hold[node] = ANCF_HELD;
+    for (const int node : tiedNodes) hold[node] = ANCF_HELD; // nothing is fastened to them any more
+    for (const int end : clampedEnds) hold[n + (end % 2) * e + end / 2] = ANCF_HELD;
+    const ancf_def def = {nNodes, nElements(), elements.data(), ends.data(), next.data(), mass.data(), hold.data()};
+    ancf_model* made = nullptr;
+    int where = 0;
+    const ancf_error error = ancf_model_create(&made, &def, position.data(), velocity.data(), &where);
+    if (error) refuse(text("element or node ", where, ": ", ancf_error_text(error)));
+    model.reset(made);
+}
+
+// Which bodies are carried at their centres.
+void CableEngine::mapBodies() {
+    const Scene& s = theScene();
+    carrierOfBody.assign(s.bodies->size(), -1);
+    anyCoupled = false;
+    for (size_t i = 0; i < carryNodes.size(); ++i)
+        if (centred(s, bodyOf(s, carryIds[i], "carry"), carryAt[i])) carrierOfBody[carryIds[i]] = static_cast<int>(i);
+        else anyCoupled = true;
+}
+
+const Body& CableEngine::elementBody(int element) const {
+    const Scene& s = theScene();
+    const Body::id_t id = elementIds[element];
+    if (!s.bodies->exists(id))
+        refuse(text("body ", id, " of element ", element,
+                    " was erased: erase the whole cable, or make one that touches nothing (contactPoints=0)"));
+    return *(*s.bodies)[id];
+}
+
+void CableEngine::build() {
+    checkScene();
+    touching.reset();
+    makeModel();
+    mapBodies();
+    if (anyCoupled && substeps > 1)
+        refuse(text("substeps = ", substeps,
+                    ": a body is carried off its centre or guided, which needs substeps = 1 or 0"));
+    elementIds.resize(length.size(), -1);
+    touching.build(*this);
+    carriedForce.assign(carryNodes.size(), Vector3r::Zero());
+    carryReaction.resize(carryNodes.size(), Vector3r::Zero());
+    checkedIter = -1;
+    int element;
+    substepLimit = ancf_critical_step(model.get(), strainReserve, &element);
+}
+
+// ---------------------------------------------------------------- one step
+
+namespace {
+    bool anyForces(Scene& scene) { return !scene.forces.synced || scene.forces.getPermForceUsed(); }
+
+    Quaternionr turned(const Vector3r& angle) {
+        const Real size = angle.norm();
+        return size > 0 ? Quaternionr(AngleAxisr(size, angle / size)) : Quaternionr::Identity();
+    }
+} // namespace
+
+// New velocities of nodes that follow a body, exactly to where NewtonIntegrator will take it.
+void CableEngine::holdNodes() {
+    for (size_t i = 0; i < followNodes.size(); ++i) {
+        const State& state = *(*scene->bodies)[followIds[i]]->state;
+        const Vector3r target =
+            state.pos + scene->dt * state.vel + turned(scene->dt * state.angVel) * (state.ori * followAt[i]);
+        setNode(model->held, model->stride, followNodes[i],
+                (target - nodeOf(model->x, model->stride, followNodes[i])) / scene->dt);
+    }
+    for (size_t i = 0; i < carryNodes.size(); ++i) {
+        if (carrierOf(carryIds[i]) >= 0) continue;
+        const State& state = *(*scene->bodies)[carryIds[i]]->state;
+        setNode(model->x, model->stride, carryNodes[i], state.pos + state.ori * carryAt[i]);
+    }
+}
+
+// Loads on nodes, and what acts on carried bodies by others' engines and laws.
+void CableEngine::gatherForces() {
+    std::fill_n(model->external, position.size(), 0);
+    for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
+    if (!anyForces(*scene)) {
+        std::fill(carriedForce.begin(), carriedForce.end(), Vector3r::Zero());
+        return;
+    }
+    scene->forces.sync();
+    for (size_t i = 0; i < carryNodes.size(); ++i) {
+        Vector3r torque;
+        forceOn(*scene, bodyOf(*scene, carryIds[i], "carry"), carriedForce[i], torque);
+        if (carrierOf(carryIds[i]) >= 0) addNode(model->external, model->stride, carryNodes[i], carriedForce[i]);
+    }
+}
+
+// Of a body on the knot that carries it at its centre: what acts on it, contacts included, less what it takes itself.
+void CableEngine::setCarryReaction(size_t i, const Vector3r& touched) {
+    if (carrierOf(carryIds[i]) < 0) return;
+    const Real mass = (*scene->bodies)[carryIds[i]]->state->mass;
+    carryReaction[i] = carriedForce[i] + touched + mass * (gravity - nodeOf(model->a, model->stride, carryNodes[i]));
+}
+
+// Carried bodies go where NewtonIntegrator will find them at the new positions.
+void CableEngine::scatter() {
+    for (size_t i = 0; i < carryNodes.size(); ++i) {
+        if (carrierOf(carryIds[i]) < 0) continue;
+        State& state = *(*scene->bodies)[carryIds[i]]->state;
+        state.vel = nodeOf(model->v, model->stride, carryNodes[i]);
+        state.pos = nodeOf(model->x, model->stride, carryNodes[i]) - scene->dt * state.vel;
+    }
+}
+
+void CableEngine::action() {
+    if (!model || !pairsChecked) build(); // engines that drive bodies may have come since
+    if (!pairsChecked) checkPairs();
+    pairsChecked = true;
+    if (carrierOfBody.size() != scene->bodies->size()) mapBodies();
+    model->x = position.data();
+    model->v = velocity.data();
+    model->track = scene->trackEnergy;
+    const ancf_time time = timeOfStep();
+    checkStep(time);
+    for (const auto& engine : scene->engines)
+        if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get())) gravity = newton->gravity;
+    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
+
+    eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });
+    holdNodes();
+    gatherForces();
+    ancf_predict(model.get(), &time);
+    touching.gather(*this);
+    touching.solve(*this, time);
+    if (scene->trackEnergy) {
+        if (trackedIter != scene->iter - 1) { // else known from the step before
+            Real axial, bending;
+            ancf_elastic_energy(&axial, &bending, model.get(), model->x, 0, nElements());
+            lastElastic = axial + bending;
+        }
+        model->damping_work = 0;
+    }
+    if (integrator == "rk4") {
+        if (touching.displacement())
+            refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
+        ancf_rk4(model.get(), time.step);
+    } else {
+        ancf_correct(model.get(), &time, touching.newVelocity(), touching.displacement());
+    }
+    touching.give(*this, time);
+    scatter();
+    touching.look(*this);
+    lastStep = time.step;
+    lastSubstep = time.step / time.substeps;
+    if (scene->trackEnergy) trackEnergy(time);
+}
+
+} // namespace yade

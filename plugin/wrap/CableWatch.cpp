@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// What a step must not be: unstable, not finite, or blind for pairs of bodies.
+#include "CableEngine.hpp"
+
+#include "text.hpp"
+
+#include <core/InteractionLoop.hpp>
+#include <lib/pyutil/gil.hpp>
+#include <pkg/dem/NewtonIntegrator.hpp>
+
+extern "C" {
+#include "ancf/elastic.h"
+#include "ancf/stability.h"
+}
+
+#include <cmath>
+
+namespace yade {
+
+namespace {
+    constexpr long checkInterval = 100; // steps between two looks at the strain
+} // namespace
+
+// Pairs of bodies without functors, which YADE does not tell: the package's own check, in Python.
+void CableEngine::checkPairs() const {
+    gilLock lock;
+    try {
+        py::import("ancf.scene").attr("check")();
+    } catch (const py::error_already_set&) {
+        PyObject *type, *value, *trace;
+        PyErr_Fetch(&type, &value, &trace);
+        PyErr_NormalizeException(&type, &value, &trace);
+        const py::handle<> held(value);
+        Py_XDECREF(type);
+        Py_XDECREF(trace);
+        throw std::runtime_error(py::extract<string>(py::str(py::object(held)))());
+    }
+}
+
+void CableEngine::checkScene() const {
+    const Scene& s = theScene();
+    if (s.isPeriodic) refuse("a periodic cell is not supported: set O.periodic = False");
+    if (integrator != "leapfrog" && integrator != "rk4")
+        refuse(text("integrator = '", integrator, "': must be 'leapfrog' or 'rk4'"));
+    if (substeps < 0) refuse(text("substeps = ", substeps, ": must be 0 (automatic) or more"));
+    bool seen = false, moved = false;
+    for (const auto& engine : s.engines) {
+        if (engine.get() == this) {
+            seen = true;
+            if (moved) refuse("stands after NewtonIntegrator in O.engines: must stand before it");
+        }
+        if (dynamic_cast<const NewtonIntegrator*>(engine.get())) moved = true;
+        if (seen && dynamic_cast<const InteractionLoop*>(engine.get()))
+            refuse("stands before InteractionLoop in O.engines: must stand after it");
+    }
+}
+
+ancf_time CableEngine::timeOfStep() {
+    ancf_time t {theScene().dt, lastStep, std::max(1, substeps), lastSubstep};
+    if (integrator == "rk4") t = {t.step, t.step, 1, t.step};
+    else if (substeps == 0 && !coupled()) t.substeps = std::max(1, static_cast<int>(std::ceil(t.step / substepLimit)));
+    return t;
+}
+
+// At the first step, when O.dt changes, and every checkInterval steps: is the step stable, the state finite?
+void CableEngine::checkStep(const ancf_time& time) {
+    const Scene& s = theScene();
+    if (s.dt == checkedStep && checkedIter >= 0 && s.iter < checkedIter + checkInterval) return;
+    if (!(s.dt > 0) || !std::isfinite(s.dt)) refuse(text("O.dt = ", s.dt, ": must be above 0"));
+    int strained = 0, stiffest = 0;
+    const Real largest = ancf_strain_max(model.get(), model->x, &strained);
+    for (const Real value : position)
+        if (!std::isfinite(value))
+            refuse(text("the state is no longer finite at iteration ", s.iter, " (element ", strained,
+                        "): the step was too long, or a force not finite"));
+    const Real limit = ancf_critical_step(model.get(), largest, &stiffest), step = time.step / time.substeps;
+    if (integrator == "leapfrog" && step > 1.0000001 * limit)
+        refuse(text("at iteration ", s.iter, " the step of the cable ", step, " s is above the critical ", limit,
+                    " s of element ", stiffest, " (largest strain ", largest, " in element ", strained,
+                    "): use O.dt <= ", limit * time.substeps, " or more substeps"));
+    checkedIter = s.iter;
+    checkedStep = s.dt;
+}
+
+Real CableEngine::criticalTimeStep() {
+    if (!model) build();
+    int element;
+    const Real strained = std::max(strainReserve, ancf_strain_max(model.get(), position.data(), &element));
+    return ancf_critical_step(model.get(), strained, &element);
+}
+
+} // namespace yade
