@@ -6,7 +6,7 @@
 enum { ROUNDS = 200 };
 
 static const double tolerance = 1e-14; // of what is missing, as part of what was
-static const double rounding = 1e-15;  // of velocities: what is missing cannot be told any more
+static const double rounding = 1e-14;  // of velocities: what is missing cannot be told any more
 
 typedef double (*vectors)[3];
 

@@ -17,6 +17,14 @@ void ancf_cover_cubic(ancf_cubic* cubic, const ancf_model* m, const double* x, i
     }
 }
 
+void ancf_cover_ahead(ancf_cubic* cubic, const ancf_model* m, int element, double time) {
+    ancf_cubic rate;
+    ancf_cover_cubic(cubic, m, m->x, element);
+    ancf_cover_cubic(&rate, m, m->v, element);
+    for (int k = 0; k < 4; ++k)
+        for (int c = 0; c < 3; ++c) cubic->control[k][c] += time * rate.control[k][c];
+}
+
 // Over a quarter of a segment from its end, the share rises from that of all who meet there to the whole.
 double ancf_cover_share(const ancf_cover* cover, int segment, double xi) {
     const double at = xi * cover->segments - segment, from[2] = {at, 1.0 - at};

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 // Length of a sub-step times the highest frequency of the contacts: a tenth of the time that an impact by Hertz lasts,
 // 4.03/frequency.
@@ -10,7 +11,7 @@ static const double substep_frequency = 0.4;
 
 static const double substeps_largest = 1e6;
 
-enum { ROUNDS = 30, TOGETHER = 20 };
+enum { ROUNDS = 60, TOGETHER = 20 };
 
 // Change of a force, as part of the largest, below which contacts that press on one another are done.
 static const double together = 1e-6;
@@ -103,20 +104,45 @@ static double damped_force(double elastic, double rate, double u, double answer)
     return elastic > 0.0 ? fmax(0.0, (elastic - rate * u) / (1.0 + rate * answer)) : 0.0;
 }
 
-// One contact over a sub-step h, from its gap and the velocity u that it would have by itself.
+// What a contact answers over a sub-step h with velocity u, if `force` is what moves it.
+static pressing answer_to(const ancf_contact* c, double u, double h, double energy, double force) {
+    const double answer = 0.5 * h * c->own, way = h * (u + answer * force);
+    pressing f = {elastic_force(&c->law, c->gap, energy, way), 0.0};
+    double rate = 0.0; // of damping [N s/m]
+    if (c->law.kind == ANCF_NORMAL_LINEAR) rate = c->law.damping * overlapping(c->gap, way);
+    if (c->law.kind == ANCF_NORMAL_NONLINEAR) rate = 1.5 * c->law.damping * f.elastic; // Eq. 10
+    f.total = damped_force(f.elastic, rate, u, answer);
+    return f;
+}
+
+// One contact over a sub-step h, from its gap and the velocity u that it would have by itself: the force that is its
+// own answer. The answer falls with the force, so regula falsi (Illinois) finds it however stiff the contact is.
 static pressing press_one(const ancf_contact* c, double u, double h) {
-    pressing f = {0.0, 0.0};
-    if (c->gap >= 0.0 && c->gap + h * u >= 0.0) return f;
-    const double energy = ancf_normal_energy(&c->law, -c->gap), answer = 0.5 * h * c->own;
-    for (int i = 0; i < ROUNDS; ++i) { // each shortens the error by (frequency h)^2/4
-        const double last = f.total;
-        const double way = h * (u + answer * f.total);
-        double rate = 0.0; // of damping [N s/m]
-        f.elastic = elastic_force(&c->law, c->gap, energy, way);
-        if (c->law.kind == ANCF_NORMAL_LINEAR) rate = c->law.damping * overlapping(c->gap, way);
-        if (c->law.kind == ANCF_NORMAL_NONLINEAR) rate = 1.5 * c->law.damping * f.elastic; // Eq. 10
-        f.total = damped_force(f.elastic, rate, u, answer);
-        if (fabs(f.total - last) <= 1e-13 * f.total) break;
+    if (c->gap >= 0.0 && c->gap + h * u >= 0.0) return (pressing) {0.0, 0.0};
+    const double energy = ancf_normal_energy(&c->law, -c->gap);
+    pressing f = answer_to(c, u, h, energy, 0.0);
+    double low = 0.0, above = f.total, high = f.total, below = 0.0; // brackets, and how far the answers are off there
+    if (!(high > 0.0)) return f;
+    double force = high;
+    int side = 0;
+    for (int i = 0; i < ROUNDS; ++i) {
+        f = answer_to(c, u, h, energy, force);
+        const double off = f.total - force;
+        if (fabs(off) <= 1e-13 * force) break;
+        if (off > 0.0) {
+            low = force;
+            above = off;
+            if (side > 0) below *= 0.5;
+            side = 1;
+        } else {
+            high = force;
+            below = off;
+            if (side < 0) above *= 0.5;
+            side = -1;
+        }
+        force = low + above * (high - low) / (above - below);
+        if (!(force > low && force < high)) force = 0.5 * (low + high);
+        if (!(force > low && force < high)) break;
     }
     return f;
 }
@@ -148,9 +174,18 @@ static double press_round(ancf_table* t, double h, double rest, bool first, doub
     return change;
 }
 
-static void substep(ancf_table* t, double h, double rest) {
+// Moves the arm of the second side on by a time: its end goes with the first side.
+static void swing(const ancf_table* t, ancf_contact* c, double time) {
+    double v[3];
+    if (c->side[1].body < 0) return;
+    ancf_table_going(v, t, c);
+    for (int k = 0; k < 3; k++) c->side[1].arm[k] += time * v[k];
+}
+
+static void substep(ancf_table* t, double h, double at, double rest, double since) {
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
+        swing(t, c, since);
         c->speed = along_normal(t, c);
         c->force = 0.0;
     }
@@ -160,6 +195,7 @@ static void substep(ancf_table* t, double h, double rest) {
         ancf_contact* c = &t->contact[i];
         const double way = 0.5 * h * (c->speed + along_normal(t, c));
         c->impulse += h * c->force;
+        c->late += h * c->force * at;
         c->gap += way;
         c->damped -= (c->force - c->elastic) * way;
         c->depth = fmax(c->depth, -c->gap);
@@ -168,10 +204,15 @@ static void substep(ancf_table* t, double h, double rest) {
 
 void ancf_table_press(ancf_table* t, double step, int substeps) {
     const double h = step / substeps;
-    for (int s = 0; s < substeps; ++s) substep(t, h, step - (s + 0.5) * h);
+    for (int s = 0; s < substeps; ++s) {
+        const double at = (s + 0.5) * h;
+        substep(t, h, at, step - at, s ? h : 0.5 * h);
+    }
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         c->energy = ancf_normal_energy(&c->law, -c->gap);
         if (substeps == 0) c->gap += step * along_normal(t, c);
+        memcpy(c->side[1].arm, c->start, sizeof c->start);
+        ancf_table_going(c->going, t, c);
     }
 }

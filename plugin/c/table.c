@@ -200,7 +200,8 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         c->own = ancf_table_compliance(t, c, c->normal);
-        c->impulse = c->force = c->energy = c->damped = c->rubbed = 0.0;
+        c->impulse = c->late = c->force = c->energy = c->damped = c->rubbed = 0.0;
+        memcpy(c->start, c->side[1].arm, sizeof c->start);
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
     }
     return ANCF_OK;
@@ -259,6 +260,14 @@ void ancf_table_slip(double v[3], const ancf_table* t, const ancf_contact* c) {
     }
 }
 
+void ancf_table_going(double v[3], const ancf_table* t, const ancf_contact* c) {
+    const ancf_side *first = &c->side[0], *second = &c->side[1];
+    const double* there = first->place >= 0 ? t->place[first->place].velocity : t->body[first->body].velocity;
+    if (second->body < 0) return;
+    const double* here = second->place >= 0 ? t->place[second->place].velocity : t->body[second->body].velocity;
+    for (int i = 0; i < 3; i++) v[i] = there[i] - here[i];
+}
+
 static double body_compliance(const ancf_body* b, const double arm[3], const double direction[3]) {
     double twist[3], spin[3];
     ancf_cross(twist, arm, direction);
@@ -286,7 +295,22 @@ double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const d
     return w > 0.0 ? w : 0.0;
 }
 
-void ancf_table_apply(const ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
+// The normal forces of a contact acted at arms that friction and couplings have made longer by what they changed in the
+// velocities, times the time to each impulse.
+static void twist_late(ancf_table* t, const ancf_contact* c) {
+    double now[3], twist[3], spin[3];
+    if (c->late == 0.0 || c->side[1].body < 0) return;
+    ancf_table_going(now, t, c);
+    for (int i = 0; i < 3; i++) now[i] -= c->going[i];
+    ancf_cross(twist, now, c->normal);
+    ancf_body* b = &t->body[c->side[1].body];
+    for (int i = 0; i < 3; i++) b->twist[i] += twist[i] *= -c->late;
+    ancf_multiply(spin, b->inv_inertia, twist);
+    for (int i = 0; i < 3; i++) b->spin[i] += spin[i];
+}
+
+void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
+    for (int i = 0; i < t->n_contacts; ++i) twist_late(t, &t->contact[i]);
     for (int i = 0; i < t->n_places; ++i) {
         const ancf_place* p = &t->place[i];
         const double *J = p->impulse, *K = p->moment;

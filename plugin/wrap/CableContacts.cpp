@@ -3,6 +3,7 @@
 
 #include "CableEngine.hpp"
 #include "CableGeom.hpp"
+#include "CableNodes.hpp"
 #include "Drive.hpp"
 #include "text.hpp"
 
@@ -24,11 +25,6 @@ namespace {
 
     void copy(Real* to, const Vector3r& from) {
         for (int c = 0; c < 3; ++c) to[c] = from[c];
-    }
-
-    Quaternionr turned(const Vector3r& angle) {
-        const Real size = angle.norm();
-        return size > 0 ? Quaternionr(AngleAxisr(size, angle / size)) : Quaternionr::Identity();
     }
 
     CableGeom* geomOf(const Interaction& contact) {
@@ -221,25 +217,30 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
     phys->normalKind = cable.normalKind;
     phys->frictionKind = cable.frictionKind;
     const Body &first = *(*cable.scene->bodies)[contact.getId1()], &second = *(*cable.scene->bodies)[contact.getId2()];
+    const ancf_model* m = cable.theModel();
     Row row {geom, phys, ancf_table_contacts(table.get()), 0};
     for (size_t i = 0; i < geom->xi.size(); ++i) {
         ancf_contact c {};
         c.law = phys->normalLaw();
         c.rub = phys->frictionLaw();
-        Vector3r at = geom->point[i]; // forces on a cable act at its centreline: it has no twist to take their torque
+        const Vector3r normal = geom->normals[i];
+        Vector3r at, speed; // of the first side, where forces act: on a cable at its centreline, as it has no twist
         if (element >= 0) {
             const ancf_cover& cover = shown->cover[element];
-            c.side[0] = {
-                added(ancf_table_add_place(table.get(), cable.theModel(), element, geom->xi[i])), -1, {0, 0, 0}};
+            c.side[0] = {added(ancf_table_add_place(table.get(), m, element, geom->xi[i])), -1, {0, 0, 0}};
             if (!cover.points) c.law.stiffness *= ancf_cover_share(&cover, geom->segment[i], geom->xi[i]);
+            at = placeOf(m, m->x, element, geom->xi[i]);
+            speed = placeOf(m, m->v, element, geom->xi[i]);
         } else {
-            at = geom->contactPoint;
+            at = second.state->pos - (geom->refR2 + geom->gap[i] / 2) * normal;
+            speed = velocityAt(*second.state, at);
             c.side[0] = sideOf(cable, second, at);
         }
         c.side[1] = sideOf(cable, first, at);
-        copy(c.normal, geom->normals[i]);
+        copy(c.normal, normal);
         copy(c.friction, geom->friction[i]);
-        c.gap = geom->gap[i];
+        // The gap at the start of the step: found for its middle, at the velocities of now.
+        c.gap = geom->gap[i] - cable.scene->dt / 2 * normal.dot(speed - velocityAt(*first.state, at));
         added(ancf_table_add_contact(table.get(), &c));
     }
     row.end = ancf_table_contacts(table.get());
@@ -283,15 +284,8 @@ void CableContacts::addCouplings(const CableEngine& cable) {
 void CableContacts::addCrossings(CableEngine& cable) {
     const ancf_model* m = cable.theModel();
     firstCrossing = ancf_table_contacts(table.get());
-    int meetings;
-    ancf_boxes_meetings(boxes.get(), &meetings);
-    if (meetings == 0) return;
-    Real thinnest = std::numeric_limits<Real>::infinity();
-    for (const ancf_cover& c : shown->cover)
-        if (c.radius > 0) thinnest = std::min(thinnest, c.radius);
-    const Real reach = 1.5 * cable.scene->dt * 2 * ancf_boxes_fastest(m) + .02 * thinnest;
-    added(ancf_cross_add(table.get(), boxes.get(), shown->cover.data(), m, laws.data(), kinds, reach, memory.data(),
-                         static_cast<int>(memory.size())));
+    added(ancf_cross_add(table.get(), boxes.get(), shown->cover.data(), m, laws.data(), kinds, cable.scene->dt,
+                         memory.data(), static_cast<int>(memory.size())));
 }
 
 void CableContacts::gather(CableEngine& cable) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "CableGeom.hpp"
 
+#include "Mobility.hpp"
+
 #include <core/Interaction.hpp>
 #include <core/Scene.hpp>
 
@@ -29,45 +31,53 @@ namespace {
         for (int i = 0; i < 3; ++i) copy(s.axis[i], axes.col(i));
     }
 
-    ancf_solid solidOf(const Sphere& sphere, const State& state) {
+    // Where a body will be a time from now, at its velocities of now.
+    Se3r poseAhead(const State& state, Real time) {
+        Se3r pose;
+        pose.position = state.pos + time * state.vel;
+        pose.orientation = turned(time * state.angVel) * state.ori;
+        return pose;
+    }
+
+    ancf_solid solidOf(const Sphere& sphere, const Se3r& pose) {
         ancf_solid s {};
         s.kind = ANCF_BALL;
-        copy(s.center, state.pos);
+        copy(s.center, pose.position);
         s.size[0] = sphere.radius;
         return s;
     }
 
-    ancf_solid solidOf(const Box& box, const State& state) {
+    ancf_solid solidOf(const Box& box, const Se3r& pose) {
         ancf_solid s {};
         s.kind = ANCF_BOX;
-        copy(s.center, state.pos);
+        copy(s.center, pose.position);
         copy(s.size, box.extents);
-        setAxes(s, state.ori);
+        setAxes(s, pose.orientation);
         return s;
     }
 
-    ancf_solid solidOf(const Facet& facet, const State& state) {
+    ancf_solid solidOf(const Facet& facet, const Se3r& pose) {
         ancf_solid s {};
         s.kind = ANCF_TRIANGLE;
-        copy(s.center, state.pos);
-        for (int i = 0; i < 3; ++i) copy(s.corner[i], state.pos + state.ori * facet.vertices[i]);
+        copy(s.center, pose.position);
+        for (int i = 0; i < 3; ++i) copy(s.corner[i], pose.position + pose.orientation * facet.vertices[i]);
         return s;
     }
 
-    ancf_solid solidOf(const Wall& wall, const State& state) {
+    ancf_solid solidOf(const Wall& wall, const Se3r& pose) {
         ancf_solid s {};
         s.kind = ANCF_PLANE;
-        copy(s.center, state.pos);
+        copy(s.center, pose.position);
         s.axis[0][wall.axis] = 1;
         s.sense = wall.sense;
         return s;
     }
 
-    ancf_solid solidOf(const Sheave& sheave, const State& state) {
+    ancf_solid solidOf(const Sheave& sheave, const Se3r& pose) {
         ancf_solid s {};
         s.kind = ANCF_WHEEL;
-        copy(s.center, state.pos);
-        copy(s.axis[0], Sheave::axisOf(state.ori));
+        copy(s.center, pose.position);
+        copy(s.axis[0], Sheave::axisOf(pose.orientation));
         s.groove = &sheave.groove();
         return s;
     }
@@ -116,7 +126,7 @@ namespace {
         int n = 0;
         if (!element.excludes(contact->getId1())) {
             ancf_cubic cubic;
-            ancf_cover_cubic(&cubic, view->model, view->model->x, element.element);
+            ancf_cover_ahead(&cubic, view->model, element.element, scene.dt / 2);
             const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(*view->model, element.element);
             const Real reach = stepsAhead * scene.dt * speed + marginAhead * cover.radius;
             n = ancf_cover_touch(found.data(), &cover, &cubic, &solid, reach);
@@ -128,7 +138,7 @@ namespace {
                     const State& state2, const shared_ptr<Interaction>& contact) {
         const Real own = static_cast<const Sphere&>(shape2).radius;
         ancf_nearest found {};
-        copy(found.point, state2.pos);
+        copy(found.point, state2.pos + scene.dt / 2 * state2.vel);
         found.gap = ancf_solid_distance(found.normal, &solid, found.point) - own;
         const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(state2, own);
         const bool near = found.gap < stepsAhead * scene.dt * speed + marginAhead * own;
@@ -168,14 +178,15 @@ void CableGeom::set(const ancf_nearest* found, int n) {
                                                  const State& state1, const State&, const Vector3r&, const bool&,      \
                                                  const shared_ptr<Interaction>& contact) {                             \
         const auto& first = static_cast<const Kind&>(*shape1);                                                         \
-        return nearCable(*scene, solidOf(first, state1), state1, radius, *shape2, contact);                            \
+        return nearCable(*scene, solidOf(first, poseAhead(state1, scene->dt / 2)), state1, radius, *shape2, contact);  \
     }
 #define ANCF_NEAR_SPHERE(Kind, radius)                                                                                 \
     bool Ig2_##Kind##_CarriedSphere_CableGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,    \
                                                   const State& state1, const State& state2, const Vector3r&,           \
                                                   const bool&, const shared_ptr<Interaction>& contact) {               \
         const auto& first = static_cast<const Kind&>(*shape1);                                                         \
-        return nearSphere(*scene, solidOf(first, state1), state1, radius, *shape2, state2, contact);                   \
+        const ancf_solid solid = solidOf(first, poseAhead(state1, scene->dt / 2));                                     \
+        return nearSphere(*scene, solid, state1, radius, *shape2, state2, contact);                                    \
     }
 #define ANCF_NEAR(Kind, radius) ANCF_NEAR_CABLE(Kind, radius) ANCF_NEAR_SPHERE(Kind, radius)
 

@@ -89,11 +89,6 @@ void CableEngine::build() {
 
 namespace {
     bool anyForces(Scene& scene) { return !scene.forces.synced || scene.forces.getPermForceUsed(); }
-
-    Quaternionr turned(const Vector3r& angle) {
-        const Real size = angle.norm();
-        return size > 0 ? Quaternionr(AngleAxisr(size, angle / size)) : Quaternionr::Identity();
-    }
 } // namespace
 
 // New velocities of nodes that follow a body, exactly to where NewtonIntegrator will take it.

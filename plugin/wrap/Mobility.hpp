@@ -12,6 +12,12 @@ inline Vector3r velocityAt(const State& state, const Vector3r& at) {
     return state.vel + state.angVel.cross(at - state.pos);
 }
 
+// Rotation by a vector whose length is the angle [rad].
+inline Quaternionr turned(const Vector3r& angle) {
+    const Real size = angle.norm();
+    return size > 0 ? Quaternionr(AngleAxisr(size, angle / size)) : Quaternionr::Identity();
+}
+
 // The body whose inertia answers: the clump for a member.
 const Body& movedBody(const Scene& scene, const Body& body);
 

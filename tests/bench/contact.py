@@ -4,7 +4,8 @@ Run it by `PYTHONPATH=build/python python3.11 tests/bench/contact.py`, on a core
 do; PYTHONPATH says which build is measured, public functions alone are used, so that builds of
 other commits run it, too. --peers PYTHON takes a Python that has MuJoCo (pip install mujoco) and
 runs its coarse net in turns with the capture. Every case is a process of its own with one thread.
-"us" are microseconds of CPU time a step. What is compared alternates in one run: trust ratios.
+"us" are microseconds of CPU time a step. Capture, flight and line take turns with what they are
+compared with: trust their ratios, and other figures only on a machine with nothing else to do.
 """
 
 import argparse
@@ -18,6 +19,7 @@ import re
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 
 os.environ["OMP_NUM_THREADS"] = "1"
@@ -427,20 +429,29 @@ def lineScene(count):
 
 def line(quick):
     """Spheres on a cable that is as long as their row: how a step grows with their number."""
-    medians = []
-    for count in FEW_SPHERES if quick else SPHERES:
-        cable, ids = lineScene(count)
-        speeds = settle(ids, LINE_SETTLE, LINE_CALM)
-        blocks = [cpuOf(LINE_STEPS) for _ in range(3 if quick else REPEATS["line"])]
-        medians.append(1e6 * statistics.median(blocks) / LINE_STEPS)
-        lowest = min(O.bodies[i].state.pos[2] for i in ids)
-        if lowest < 0:
-            raise RuntimeError(f"line: a sphere of {count} fell off, it is at z = {lowest:g} m")
-        yield f"CPU a step, {count} spheres", medians[-1], "us"
-        yield f"contacts, {count} spheres", cable.engine.contacts, "-"
-        yield f"fastest of {count} spheres", max(speeds), "m/s"
-    yield "dt", O.dt, "s"
-    yield "ratio", medians[1] / medians[0], "-"
+    numbers = FEW_SPHERES if quick else SPHERES
+    with tempfile.TemporaryDirectory() as folder:
+        files = {count: f"{folder}/{count}.yade" for count in numbers}
+        for count, file in files.items():
+            cable, ids = lineScene(count)
+            speeds = settle(ids, LINE_SETTLE, LINE_CALM)
+            lowest = min(O.bodies[i].state.pos[2] for i in ids)
+            if lowest < 0:
+                raise RuntimeError(f"line: a sphere of {count} fell off, it is at z = {lowest:g} m")
+            yield f"contacts, {count} spheres", cable.engine.contacts, "-"
+            yield f"fastest of {count} spheres", max(speeds), "m/s"
+            O.save(file)
+        yield "dt", O.dt, "s"
+        cost = {count: [] for count in numbers}
+        for _ in range(3 if quick else REPEATS["line"]):
+            for count, file in files.items():
+                O.load(file)
+                O.run(LINE_STEPS, True)
+                cost[count].append(1e6 * cpuOf(LINE_STEPS) / LINE_STEPS)
+    for count, values in cost.items():
+        yield f"CPU a step, {count} spheres", statistics.median(values), "us"
+    few, many = cost.values()
+    yield "ratio", statistics.median(b / a for a, b in zip(few, many)), "-"
 
 
 # ---- the run -----------------------------------------------------------------------------------

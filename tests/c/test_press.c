@@ -265,113 +265,95 @@ static double scene_kinetic(const scene* s) {
     return sum;
 }
 
-static double scene_energy(const scene* s) {
-    double sum = scene_kinetic(s);
-    for (int k = 0; k < s->n_contacts; ++k) sum += ancf_table_contact(s->t, k)->energy;
-    return sum;
-}
-
-static double scene_damped(const scene* s) {
-    double sum = 0.0;
-    for (int k = 0; k < s->n_contacts; ++k) sum += ancf_table_contact(s->t, k)->damped;
-    return sum;
-}
-
 // Momenta of all, about the origin; carried bodies are where their knots are.
 static void scene_momentum(double P[3], double H[3], double terms[2], const scene* s) {
     own_momentum(P, H, terms, &s->b);
     for (int i = 0; i < s->n_bodies; ++i) add_momentum(P, H, terms, &s->solid[i], ancf_table_body(s->t, i));
 }
 
-// Impulses change no momentum, and the centre of mass goes on evenly whatever the sub-steps move.
+// A step changes no momentum, friction and what it moves included; the centre of mass goes on evenly whatever the
+// sub-steps move. Contacts of two centrelines leave a couple and are out of touch where moments are looked at.
 static void momentum_is_exact(void** state) {
     (void)state;
     uint64_t seed = 62;
-    double worst = 0.0;
     int pressed = 0;
-    for (int run = 0; run < 200; ++run) {
-        scene s = scene_make(&seed, run, true);
+    for (int run = 0; run < 400; ++run) {
+        scene s = scene_make(&seed, run / 2, true);
         const double step = random_magnitude(&seed, 1e-5, 1e-3);
-        double P0[3], H0[3], P[3], H[3], terms[2], moved[3], unused[3], size[2];
+        const bool moments = run % 2;
+        double P0[3], H0[3], P[3], H[3], terms[2], unused[3], size[2], moved[3], left;
         int stiffest;
+        for (int k = 0; k < s.n_contacts; ++k) {
+            ancf_contact* c = ancf_table_contact(s.t, k);
+            if (moments && c->side[1].body < 0) c->gap = 1.0;
+            if (run % 4 >= 2) c->rub = (ancf_friction) {ANCF_FRICTION_HOLLARS, 0.3, 0.2, 1e-3};
+        }
         scene_momentum(P0, H0, terms, &s);
         const int n = ancf_table_substeps(s.t, step, &stiffest);
         assert_true(n > 0);
         ancf_table_press(s.t, step, n);
+        ancf_table_rub(s.t, step, &left);
         ancf_table_apply(s.t, s.b.m, step, s.b.v, s.shift);
-        scene_momentum(P, H, terms, &s);
-        for (int i = 0; i < 3; ++i) {
-            assert_near(P[i], P0[i], 1e-12 * terms[0]);
-            assert_near(H[i], H0[i], 1e-12 * terms[1]);
-        }
-        for (int i = 0; i < 3 * s.b.stride; ++i) s.shift[i] += step * s.b.v[i];
+        for (int i = 0; i < 3 * s.b.stride; ++i) s.shift[i] += step * s.b.v[i]; // the whole way
         built way = s.b;
         way.v = s.shift;
         own_momentum(moved, unused, size, &way);
-        for (int k = 0; k < 3; ++k) {
-            for (int j = 0; j < s.n_bodies; ++j) {
-                const solid* body = &s.solid[j];
-                moved[k] += body->mass * (step * body->body.velocity[k] + ancf_table_body(s.t, j)->shift[k]);
+        for (int j = 0; j < s.n_bodies; ++j)
+            for (int i = 0; i < 3; ++i) {
+                ancf_body* body = ancf_table_body(s.t, j);
+                const double its_way = step * s.solid[j].body.velocity[i] + body->shift[i];
+                moved[i] += s.solid[j].mass * its_way;
+                body->position[i] += its_way;
             }
-            assert_near(moved[k], step * P0[k], 1e-12 * step * terms[0]);
+        for (int i = 0; i < 3 * s.b.stride; ++i) s.b.x[i] += s.shift[i];
+        scene_momentum(P, H, terms, &s);
+        for (int i = 0; i < 3; ++i) {
+            assert_near(P[i], P0[i], 1e-12 * terms[0]);
+            assert_near(moved[i], step * P0[i], 1e-12 * step * terms[0]);
+            if (moments) assert_near(H[i], H0[i], 1e-12 * terms[1]);
         }
         for (int k = 0; k < s.n_contacts; ++k) {
-            const ancf_contact* c = ancf_table_contact(s.t, k);
-            pressed += c->impulse > 0.0;
-            assert_true(c->impulse >= 0.0);
+            pressed += ancf_table_contact(s.t, k)->impulse > 0.0;
+            assert_true(ancf_table_contact(s.t, k)->impulse >= 0.0);
         }
-        // Angular momentum over the whole step, places displaced: told, not asserted.
-        own_drift(&s.b, 0.0, s.shift);
-        for (int j = 0; j < s.n_bodies; ++j)
-            for (int k = 0; k < 3; ++k) {
-                ancf_body* body = ancf_table_body(s.t, j);
-                body->position[k] += step * s.solid[j].body.velocity[k] + body->shift[k];
-            }
-        scene_momentum(P, H, terms, &s);
-        for (int i = 0; i < 3; ++i) worst = fmax(worst, fabs(H[i] - H0[i]) / terms[1]);
         scene_free(&s);
     }
-    print_message("%d contacts pressed; angular momentum after displacement off by %.2g of its terms at most\n",
-                  pressed, worst);
-    assert_true(pressed > 1000);
+    assert_true(pressed > 2000);
 }
 
-// Kinetic, elastic and damped energy of random tables.
+// Kinetic, elastic and damped energy of random tables stays, whatever the sub-steps: they are discrete gradients.
 static void energy_of_random_tables(void** state) {
     (void)state;
-    static const double factors[] = {0.5, 1.0, 2.0, 4.0, 8.0};
-    for (int damped = 0; damped < 2; ++damped) {
-        print_message("%s, energy off of that in the contacts (worst gain, worst loss, mean):",
-                      damped ? "damped" : "undamped");
-        for (int f = 0; f < 5; ++f) {
-            uint64_t seed = 63;
-            double gain = 0.0, loss = 0.0, mean = 0.0;
-            for (int run = 0; run < 200; ++run) {
-                scene s = scene_make(&seed, run, damped);
-                const double step = random_magnitude(&seed, 1e-5, 1e-3);
-                int stiffest;
-                double before = scene_kinetic(&s), depth = 0.0;
-                for (int k = 0; k < s.n_contacts; ++k) {
-                    const ancf_contact* c = ancf_table_contact(s.t, k);
-                    before += ancf_normal_energy(&c->law, -c->gap);
-                }
-                const int n = ancf_table_substeps(s.t, step, &stiffest);
-                ancf_table_press(s.t, step, (int)ceil(factors[f] * n));
-                ancf_table_apply(s.t, s.b.m, step, s.b.v, s.shift);
-                for (int k = 0; k < s.n_contacts; ++k) {
-                    const ancf_contact* c = ancf_table_contact(s.t, k);
-                    depth += ancf_normal_energy(&c->law, c->depth);
-                }
-                const double off = (scene_energy(&s) + scene_damped(&s) - before) / depth;
-                gain = fmax(gain, off);
-                loss = fmin(loss, off);
-                mean += fabs(off) / 200.0;
-                scene_free(&s);
-            }
-            print_message("  x%g: %.2g %.2g %.2g", factors[f], gain, loss, mean);
+    static const double factors[] = {0.5, 1.0, 4.0};
+    double worst = 0.0;
+    for (int run = 0; run < 600; ++run) {
+        uint64_t seed = 1000 + (uint64_t)run / 3;
+        scene s = scene_make(&seed, run / 3, run / 3 % 2);
+        const double step = random_magnitude(&seed, 1e-5, 1e-3);
+        int stiffest;
+        double before = scene_kinetic(&s), deepest = 0.0, after, damped = 0.0;
+        for (int k = 0; k < s.n_contacts; ++k) {
+            const ancf_contact* c = ancf_table_contact(s.t, k);
+            before += ancf_normal_energy(&c->law, -c->gap);
         }
-        print_message("\n");
+        const int n = ancf_table_substeps(s.t, step, &stiffest);
+        ancf_table_press(s.t, step, (int)ceil(factors[run % 3] * n));
+        ancf_table_apply(s.t, s.b.m, step, s.b.v, s.shift);
+        after = scene_kinetic(&s);
+        for (int k = 0; k < s.n_contacts; ++k) {
+            const ancf_contact* c = ancf_table_contact(s.t, k);
+            assert_close(c->energy, ancf_normal_energy(&c->law, -c->gap), 1e-15);
+            assert_true(c->damped >= -1e-9 * before);
+            deepest += ancf_normal_energy(&c->law, c->depth);
+            after += c->energy;
+            damped += c->damped;
+        }
+        assert_true(run / 3 % 2 ? damped > 0.0 : fabs(damped) < 1e-12 * before);
+        worst = fmax(worst, fabs(after + damped - before) / deepest);
+        scene_free(&s);
     }
+    print_message("energy of random tables off by %.2g of what the contacts hold\n", worst);
+    assert_true(worst < 1e-5);
 }
 
 // Bodies and contacts that go on for many steps: two balls on one element; a ball that bounces between two cables; a
@@ -525,28 +507,57 @@ static double rig_step(rig* r, double factor, int* substeps) {
 static void energy_of_long_runs(void** state) {
     (void)state;
     static const char* name[RIGS] = {"two on one element", "between two cables", "on 20 places", "row", "squeezed"};
-    static const double factors[] = {0.5, 1.0, 2.0, 4.0};
-    for (int kind = 0; kind < RIGS; ++kind)
-        for (int damped = 0; damped < 2; ++damped) {
-            print_message("%s%s, worst gain, loss, at the end:", name[kind], damped ? " damped" : "");
-            for (int f = 0; f < 4; ++f) {
-                rig r = rig_make(kind, kind % 2 ? ANCF_LUMPED : 0, damped ? 0.2 : 0.0);
-                double start = rig_energy(&r), gain = 0.0, loss = 0.0, off = 0.0, put = 0.0;
-                int substeps = 0;
-                for (int i = 0; i < 2000; ++i) {
-                    const double before = r.gravity != 0.0 ? rig_energy(&r) : 0.0;
-                    if (r.gravity != 0.0) r.solid[0].body.velocity[2] -= r.step * r.gravity;
-                    if (r.gravity != 0.0) put += rig_energy(&r) - before;
-                    put -= rig_step(&r, factors[f], &substeps);
-                    off = (rig_energy(&r) - put) / start - 1.0;
-                    gain = fmax(gain, off);
-                    loss = fmin(loss, off);
-                }
-                print_message("  x%g (%d): %.2g %.2g %.2g", factors[f], substeps, gain, loss, off);
-                rig_free(&r);
-            }
-            print_message("\n");
+    for (int run = 0; run < 4 * RIGS; ++run) {
+        const int kind = run / 4;
+        rig r = rig_make(kind, run % 2 ? ANCF_LUMPED : 0, run / 2 % 2 ? 0.2 : 0.0);
+        const double start = rig_energy(&r);
+        double worst = 0.0, put = 0.0;
+        int substeps = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const double before = r.gravity != 0.0 ? rig_energy(&r) : 0.0;
+            if (r.gravity != 0.0) r.solid[0].body.velocity[2] -= r.step * r.gravity;
+            if (r.gravity != 0.0) put += rig_energy(&r) - before;
+            put -= rig_step(&r, 1.0, &substeps);
+            worst = fmax(worst, fabs(rig_energy(&r) - put - start) / start);
         }
+        print_message("%s%s: off by %.2g in %d sub-steps\n", name[kind], run / 2 % 2 ? ", damped" : "", worst,
+                      substeps);
+        assert_true(substeps > 10);
+        assert_true(worst < 1e-6);
+        rig_free(&r);
+    }
+}
+
+// A ball that a soft contact pushes within a step into stiff ones, which the sub-steps were not made for: no energy
+// comes.
+static void stiff_contacts_met_on_the_way(void** state) {
+    (void)state;
+    for (int run = 0; run < 8; ++run) {
+        rig r = rig_make(SQUEEZED, 0, run % 2 ? 0.2 : 0.0);
+        r.n_contacts = 3;
+        r.step = 1e-3;
+        r.solid[0].body.velocity[2] = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            const double normal[3][3] = {{0.0, 0.0, -1.0}, {0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}};
+            memcpy(r.contact[k].normal, normal[k], sizeof normal[k]);
+            r.contact[k].law.stiffness = pow(10.0, 7 + run / 2);
+            r.contact[k].gap = 1e-6 * (1.0 + 0.1 * k);
+        }
+        r.contact[0].law = (ancf_normal) {ANCF_NORMAL_LINEAR, 1e3, 1.0, 0.0};
+        r.contact[0].gap = -1e-3;
+        const double start = rig_energy(&r);
+        double worst = 0.0, put = 0.0;
+        int substeps = 0;
+        for (int i = 0; i < 500; ++i) {
+            const double damped = rig_step(&r, 1.0, &substeps);
+            assert_true(damped >= -1e-9 * start);
+            put -= damped;
+            worst = fmax(worst, fabs(rig_energy(&r) - put - start) / start);
+        }
+        print_message("stiffness %.0e%s: off by %.2g\n", r.contact[1].law.stiffness, run % 2 ? ", damped" : "", worst);
+        assert_true(worst < 1e-4);
+        rig_free(&r);
+    }
 }
 
 // The same system by the Runge-Kutta scheme in tiny steps: velocities, ways and gaps, all from the mass matrix itself.
@@ -583,6 +594,22 @@ static void motion_add(motion* a, double h, const motion* rate, const scene* s) 
     for (int k = 0; k < s->n_contacts; ++k) a->gap[k] += h * rate->gap[k];
 }
 
+// Forces act on the second side where the first side's point is in space by now.
+static void move_arm(ancf_contact* c, const motion* a, const scene* s) {
+    const ancf_side *first = &c->side[0], *second = &c->side[1];
+    double way[3], back[3];
+    if (second->body < 0) return;
+    if (first->place >= 0) {
+        const ancf_place* p = ancf_table_place(s->t, first->place);
+        own_at(way, &s->b, a->way, p->element, p->xi);
+    } else memcpy(way, a->body[first->body].shift, sizeof way);
+    if (second->place >= 0) {
+        const ancf_place* p = ancf_table_place(s->t, second->place);
+        own_at(back, &s->b, a->way, p->element, p->xi);
+    } else memcpy(back, a->body[second->body].shift, sizeof back);
+    for (int i = 0; i < 3; ++i) c->side[1].arm[i] = c->start[i] + way[i] - back[i];
+}
+
 static void motion_rate(motion* rate, const motion* a, const scene* s) {
     double force[CONTACTS][3];
     memcpy(rate->way, a->v, 3 * (size_t)s->b.stride * sizeof(double));
@@ -596,14 +623,19 @@ static void motion_rate(motion* rate, const motion* a, const scene* s) {
         }
     }
     for (int k = 0; k < s->n_contacts; ++k) {
-        const ancf_contact* c = ancf_table_contact(s->t, k);
+        ancf_contact* c = ancf_table_contact(s->t, k);
         double u[3];
+        move_arm(c, a, s);
         own_slip(u, &s->b, s->t, c, a->v, a->body);
         rate->gap[k] = dot(u, c->normal);
         const double f = ancf_normal_force(&c->law, -a->gap[k], -rate->gap[k]);
         for (int i = 0; i < 3; ++i) force[k][i] = f * c->normal[i];
     }
     own_give(&s->b, s->t, rate->v, rate->body, s->n_contacts, force);
+    for (int k = 0; k < s->n_contacts; ++k) {
+        ancf_contact* c = ancf_table_contact(s->t, k);
+        memcpy(c->side[1].arm, c->start, sizeof c->start);
+    }
 }
 
 static void motion_run(motion* a, const scene* s, double step, int steps) {
@@ -648,8 +680,8 @@ static double difference(const scene* s, const motion* ref, double step) {
     return worst;
 }
 
-static void converge(bool damped) {
-    enum { LEVELS = 6, RUNS = 20 };
+static void converge(bool damped, double wanted) {
+    enum { LEVELS = 5, RUNS = 12 };
     double mean[LEVELS] = {0.0}, enough = 0.0;
     for (int run = 0; run < RUNS; ++run) {
         motion ref = {0};
@@ -659,12 +691,12 @@ static void converge(bool damped) {
             seed = 100 + (uint64_t)run;
             scene s = scene_make(&seed, run, damped);
             int stiffest;
-            if (level < 0) { // so long that the stiffest contact wants 5 sub-steps
-                step = 5.0 * 1e-3 / ancf_table_substeps(s.t, 1e-3, &stiffest);
+            if (level < 0) { // so long that the stiffest contact wants so many sub-steps
+                step = wanted * 1e-3 / ancf_table_substeps(s.t, 1e-3, &stiffest);
                 ref = motion_copy(&(motion) {.v = s.v, .way = s.shift}, 3 * s.b.stride);
                 for (int i = 0; i < s.n_bodies; ++i) ref.body[i] = s.solid[i].body;
                 for (int k = 0; k < s.n_contacts; ++k) ref.gap[k] = ancf_table_contact(s.t, k)->gap;
-                motion_run(&ref, &s, step, 1000);
+                motion_run(&ref, &s, step, 2000);
             } else {
                 const int n = level ? 4 << level : ancf_table_substeps(s.t, step, &stiffest);
                 ancf_table_press(s.t, step, n);
@@ -681,15 +713,16 @@ static void converge(bool damped) {
                   damped ? "damped" : "undamped", enough, mean[0]);
     for (int level = 1; level < LEVELS; ++level) print_message(" %.3g", mean[level]);
     print_message("\n");
-    assert_true(enough < 0.5);
-    assert_true(mean[0] < 0.1);
-    assert_near(log2(mean[1] / mean[LEVELS - 1]) / (LEVELS - 2), 2.0, 1.15);
+    assert_true(enough < 0.02 && mean[0] < 0.01);
+    assert_near(log2(mean[LEVELS - 2] / mean[LEVELS - 1]), 2.0, 0.15);
 }
 
 static void ways_converge_to_the_reference(void** state) {
     (void)state;
-    converge(false);
-    converge(true);
+    converge(false, 10.0);
+    converge(true, 10.0);
+    converge(false, 30.0);
+    converge(true, 30.0);
 }
 
 // Nothing is computed where nothing can touch, and gaps go on alone.
@@ -730,9 +763,10 @@ static void no_substeps_where_nothing_touches(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(single_impacts_bounce_by_theory), cmocka_unit_test(momentum_is_exact),
-        cmocka_unit_test(energy_of_random_tables),         cmocka_unit_test(energy_of_long_runs),
-        cmocka_unit_test(ways_converge_to_the_reference),  cmocka_unit_test(no_substeps_where_nothing_touches),
+        cmocka_unit_test(single_impacts_bounce_by_theory),   cmocka_unit_test(momentum_is_exact),
+        cmocka_unit_test(energy_of_random_tables),           cmocka_unit_test(energy_of_long_runs),
+        cmocka_unit_test(stiff_contacts_met_on_the_way),     cmocka_unit_test(ways_converge_to_the_reference),
+        cmocka_unit_test(no_substeps_where_nothing_touches),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

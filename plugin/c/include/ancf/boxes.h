@@ -13,6 +13,8 @@ typedef struct {
 
 typedef struct {
     int first, second; // first < second
+    double gap;        // they were no nearer than this [m]
+    double travel;     // when they had travelled this much together [m]
 } ancf_meeting;
 
 typedef struct ancf_boxes ancf_boxes;
@@ -35,7 +37,18 @@ int ancf_boxes_set(ancf_boxes* boxes, const ancf_model* m);
 // Whether all boxes hold.
 bool ancf_boxes_hold(const ancf_boxes* boxes, const ancf_model* m);
 
-const ancf_meeting* ancf_boxes_meetings(const ancf_boxes* boxes, int* n);
+ancf_meeting* ancf_boxes_meetings(const ancf_boxes* boxes, int* n);
+
+// An element as it will be.
+typedef struct {
+    ancf_cubic cubic;
+    ancf_box box;  // around the cubic, its thickness included
+    double speed;  // no point of it moves faster than this against the mean of all [m/s]
+    double travel; // no point of it has moved by more than this against the mean of all, since the boxes were set [m]
+} ancf_look;
+
+// Looks at all elements that may meet another, as they will be a time from now; (n_elements), kept until the next call.
+const ancf_look* ancf_boxes_look(ancf_boxes* boxes, const ancf_model* m, double ahead);
 
 // Largest speed of a node, or of a slope over a third of its element [m/s].
 double ancf_boxes_fastest(const ancf_model* m);

@@ -3,11 +3,16 @@
 // All that touches in a step stands in one table: places on cables and knots, bodies that move by themselves, contacts
 // between them, and couplings of knots with points of bodies. Elasticity, damping and gravity act once, as a kick at
 // the start. Then the normal forces of the contacts act in sub-steps short enough for the stiffest of them, on gaps and
-// velocities at the places alone: what a unit impulse at one place does to another is a number, found once a step. A
-// contact's normal stays as it is at the start of the step. Friction follows once, at the velocity that is left.
+// velocities at the places alone: what a unit impulse at one place does to another is a number, found once a step.
+// Friction follows once, at the velocity that is left.
+//
+// Places, normals and gaps are best those of the middle of the step, half a step ahead at the present velocities: then
+// the gap at the end of a step is that at the start of the next to third order, and what contacts store and give back
+// is the same. An impulse acts on both sides at one point in space, also as they move within the step, so that angular
+// momentum is exact; between two cables it acts at their two centrelines.
 //
 // In the order of use in a step: ancf_table_clear; add places, bodies, contacts, couplings; ancf_table_prepare;
-// ancf_table_couple, ancf_table_press, ancf_table_rub; ancf_table_apply.
+// ancf_table_couple, ancf_table_press, ancf_table_rub, ancf_table_couple; ancf_table_apply.
 #ifndef ANCF_CONTACT_H
 #define ANCF_CONTACT_H
 
@@ -43,7 +48,7 @@ typedef struct {
 typedef struct {
     int place; // number in the table, -1: none
     int body;
-    double arm[3]; // from the body's position to where forces act on it [m]
+    double arm[3]; // from the body's position to where forces act on it, at the start of the step [m]
 } ancf_side;
 
 typedef struct {
@@ -62,6 +67,9 @@ typedef struct {
     double rubbed;         // and by its friction [J]
     double own;            // velocity along the normal by a unit impulse along it [1/kg]
     double speed, elastic; // of the sub-step [m/s], [N]
+    double start[3];       // arm of the second side at the start [m]
+    double going[3];       // velocity of the first side's point against the second body, before friction [m/s]
+    double late;           // impulse, each part times the time from the start of the step to it [N s2]
 } ancf_contact;
 
 // A knot that goes on together with a point of a body (Eq. 5, multipliers solved for).
@@ -109,9 +117,10 @@ int ancf_table_rub(ancf_table* table, double step, double* left);
 // Impulses that make knots and points of bodies go on together from now on; `rest` is the time to the step's end.
 void ancf_table_couple(ancf_table* table, double rest);
 
-// Adds to a field of velocities what the table's impulses do, and to a field of displacements what they do besides
-// `step` times that velocity (3 x stride each).
-void ancf_table_apply(const ancf_table* table, const ancf_model* m, double step, double* velocity, double* shift);
+// The last word on spins: impulses of normal forces acted where friction has moved things meanwhile. Then adds to a
+// field of velocities what the table's impulses do, and to a field of displacements what they do besides `step` times
+// that velocity (3 x stride each).
+void ancf_table_apply(ancf_table* table, const ancf_model* m, double step, double* velocity, double* shift);
 
 // Relative velocity of the first side against the second, as it is now [m/s].
 void ancf_table_slip(double v[3], const ancf_table* table, const ancf_contact* contact);

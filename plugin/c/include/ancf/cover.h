@@ -23,6 +23,9 @@ typedef struct {
 // Centreline of an element at a state.
 void ancf_cover_cubic(ancf_cubic* cubic, const ancf_model* m, const double* x, int element);
 
+// The same a time later, at the velocities of now.
+void ancf_cover_ahead(ancf_cubic* cubic, const ancf_model* m, int element, double time);
+
 // Share of a place's stiffness: where two segments end, or more elements, they have it together.
 double ancf_cover_share(const ancf_cover* cover, int segment, double xi);
 

@@ -17,10 +17,10 @@ typedef struct {
     double friction[3]; // on the first [N]
 } ancf_memory;
 
-// Adds to the table the contacts of all pairs that may meet with a gap below `reach` [m]. laws: (kinds x kinds).
-// Returns their number; -1: out of memory. What is `friction` of a contact is taken from `last`, (n_last).
-int ancf_cross_add(ancf_table* table, const ancf_boxes* boxes, const ancf_cover* cover, const ancf_model* m,
-                   const ancf_laws* laws, int kinds, double reach, const ancf_memory* last, int n_last);
+// Adds to the table the contacts of all pairs whose gap may close in 1.5 steps at the present speeds. laws: (kinds x
+// kinds). Returns their number; -1: out of memory. What is `friction` of a contact is taken from `last`, (n_last).
+int ancf_cross_add(ancf_table* table, ancf_boxes* boxes, const ancf_cover* cover, const ancf_model* m,
+                   const ancf_laws* laws, int kinds, double step, const ancf_memory* last, int n_last);
 
 // What the contacts begin .. end-1 of the table remember for the next step: those with friction. memory: room for all;
 // returns how many.
