@@ -31,6 +31,23 @@ static double along_normal(const ancf_table* t, const ancf_contact* c) {
     return ancf_dot(v, c->normal);
 }
 
+// Relative acceleration along the normal, without what is in the table [m/s2].
+static double accelerates(const ancf_table* t, const ancf_contact* c) {
+    double sum = 0.0;
+    for (int s = 0; s < 2; ++s) {
+        const ancf_side* side = &c->side[s];
+        double a = side->place >= 0 ? ancf_dot(t->place[side->place].acceleration, c->normal) : 0.0;
+        if (side->body >= 0) {
+            const ancf_body* b = &t->body[side->body];
+            double v[3];
+            ancf_cross(v, b->turning, side->arm);
+            a += ancf_dot(v, c->normal) + ancf_dot(b->acceleration, c->normal);
+        }
+        sum += s ? -a : a;
+    }
+    return sum;
+}
+
 static double* stiffness_at(ancf_table* t, const ancf_side* side, int body) {
     if (body) return side->body < 0 ? NULL : &t->stiffness[t->n_places + side->body];
     return side->place < 0 ? NULL : &t->stiffness[side->place];
@@ -57,7 +74,7 @@ int ancf_table_substeps(ancf_table* t, double step, int* stiffest) {
     for (int i = 0; i < t->n_places + t->n_bodies; ++i) t->stiffness[i] = 0.0;
     for (int i = 0; i < t->n_contacts; ++i) {
         const ancf_contact* c = &t->contact[i];
-        const double u = along_normal(t, c);
+        const double u = along_normal(t, c) - 0.5 * step * fabs(accelerates(t, c)); // the least at any time
         if (c->gap > 0.0 && c->gap + step * u > 0.0) continue;
         any = true;
         const double tangent = ancf_normal_tangent(&c->law, deepest(c, -u));
@@ -159,7 +176,7 @@ static double press_round(ancf_table* t, double h, double rest, bool first, doub
     *largest = 0.0;
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
-        const double others = first ? 0.0 : along_normal(t, c) - c->speed - h * c->own * c->force;
+        const double others = along_normal(t, c) - c->speed - h * c->own * c->force;
         const pressing f = press_one(c, c->speed + 0.5 * others, h);
         const double more = f.total - c->force;
         change = fmax(change, fabs(more));
@@ -189,6 +206,7 @@ static void substep(ancf_table* t, double h, double at, double rest, double sinc
         c->speed = along_normal(t, c);
         c->force = 0.0;
     }
+    ancf_table_speed_up(t, h);
     double largest, change = press_round(t, h, rest, true, &largest);
     for (int i = 1; i < TOGETHER && change > together * largest; ++i) change = press_round(t, h, rest, false, &largest);
     for (int i = 0; i < t->n_contacts; ++i) {
@@ -203,11 +221,13 @@ static void substep(ancf_table* t, double h, double at, double rest, double sinc
 }
 
 void ancf_table_press(ancf_table* t, double step, int substeps) {
-    const double h = step / substeps;
+    const double h = step / (substeps > 0 ? substeps : 1);
+    if (substeps) ancf_table_speed_up(t, -0.5 * step); // from the middle of the step to its start
     for (int s = 0; s < substeps; ++s) {
         const double at = (s + 0.5) * h;
         substep(t, h, at, step - at, s ? h : 0.5 * h);
     }
+    if (substeps) ancf_table_speed_up(t, -0.5 * step);
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         c->energy = ancf_normal_energy(&c->law, -c->gap);

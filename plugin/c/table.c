@@ -181,17 +181,20 @@ static void forget_uses(ancf_table* t) {
         for (int k = 0; k < 4; ++k) t->head[t->place[i].dof[k]] = -1;
 }
 
+static void place_value(double value[3], const ancf_place* p, const ancf_model* m, const double* field) {
+    for (int c = 0; c < 3; c++) {
+        const double* u = field + c * m->stride;
+        value[c] = p->S[0] * u[p->dof[0]] + p->S[1] * u[p->dof[1]] + p->S[2] * u[p->dof[2]] + p->S[3] * u[p->dof[3]];
+    }
+}
+
 ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* velocity) {
     if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
     for (int i = 0; i < t->n_places; ++i) {
         ancf_place* p = &t->place[i];
         p->compliance = 0.0;
-        for (int c = 0; c < 3; c++) {
-            const double* u = velocity + c * m->stride;
-            p->velocity[c] =
-                p->S[0] * u[p->dof[0]] + p->S[1] * u[p->dof[1]] + p->S[2] * u[p->dof[2]] + p->S[3] * u[p->dof[3]];
-            p->impulse[c] = p->moment[c] = 0.0;
-        }
+        place_value(p->velocity, p, m, velocity);
+        for (int c = 0; c < 3; c++) p->impulse[c] = p->moment[c] = p->acceleration[c] = 0.0;
     }
     list_uses(t);
     const ancf_error error = make_effects(t);
@@ -205,6 +208,20 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
     }
     return ANCF_OK;
+}
+
+void ancf_table_accelerate(ancf_table* t, const ancf_model* m, const double* acceleration) {
+    for (int i = 0; i < t->n_places; ++i) place_value(t->place[i].acceleration, &t->place[i], m, acceleration);
+}
+
+void ancf_table_speed_up(ancf_table* t, double time) {
+    for (int i = 0; i < t->n_places; ++i)
+        for (int c = 0; c < 3; c++) t->place[i].velocity[c] += time * t->place[i].acceleration[c];
+    for (int i = 0; i < t->n_bodies; ++i)
+        for (int c = 0; c < 3; c++) {
+            t->body[i].velocity[c] += time * t->body[i].acceleration[c];
+            t->body[i].spin[c] += time * t->body[i].turning[c];
+        }
 }
 
 void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest) {

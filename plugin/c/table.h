@@ -57,6 +57,9 @@ void ancf_table_kick_body(ancf_table* t, int body, const double arm[3], const do
 // And to both sides of a contact.
 void ancf_table_kick(ancf_table* t, const ancf_contact* c, const double impulse[3], double rest);
 
+// Lets the accelerations of places and bodies act for a time.
+void ancf_table_speed_up(ancf_table* t, double time);
+
 // Velocity of the first side's place or body against the second body [m/s]; the second must have one.
 void ancf_table_going(double v[3], const ancf_table* t, const ancf_contact* c);
 

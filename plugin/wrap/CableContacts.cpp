@@ -184,11 +184,14 @@ int CableContacts::addBody(const CableEngine& cable, const Body& body) {
         }
         spin += s.dt * (m.inverseInertia * torque);
     }
-    if (carrier >= 0) vel = Vector3r::Zero(); // its knot moves it
+    Vector3r before = state.vel;
+    if (carrier >= 0) before = vel = Vector3r::Zero(); // its knot moves it
     ancf_body b {};
     copy(b.position, state.pos);
     copy(b.velocity, vel);
     copy(b.spin, spin);
+    copy(b.acceleration, (vel - before) / s.dt);
+    copy(b.turning, (spin - state.angVel) / s.dt);
     copy(b.inv_mass, carrier >= 0 ? Vector3r(Vector3r::Zero()) : m.inverseMass);
     copy(b.along, m.along);
     for (int c = 0; c < 3; ++c) copy(b.inv_inertia + 3 * c, m.inverseInertia.row(c));
@@ -320,6 +323,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time) {
     velocity = after.data();
     way = shift.data();
     if (ancf_table_prepare(t, m, m->free)) outOfMemory();
+    ancf_table_accelerate(t, m, m->a);
     ancf_table_couple(t, time.step);
     int stiffest = 0;
     cable.contactSteps = ancf_table_substeps(t, time.step, &stiffest);

@@ -27,18 +27,20 @@ typedef struct {
     int dof[4];  // of its element's unknowns in a block
     double S[4]; // their weights at xi
     const ancf_response* response;
-    double compliance;  // velocity by a unit impulse at the place itself [1/kg]
-    double velocity[3]; // [m/s]
-    double impulse[3];  // on the cable in this step [N s]
-    double moment[3];   // the same, each times the time from it to the end of the step [N s2]
+    double compliance;      // velocity by a unit impulse at the place itself [1/kg]
+    double velocity[3];     // [m/s]
+    double acceleration[3]; // without what is in the table [m/s2]
+    double impulse[3];      // on the cable in this step [N s]
+    double moment[3];       // the same, each times the time from it to the end of the step [N s2]
 } ancf_place;
 
 // A body that moves by itself.
 typedef struct {
     double position[3];
-    double velocity[3], spin[3]; // in: as they will be without what is in the table [m/s], [rad/s]; out: with it
-    double inv_mass[3];          // per axis, 0 where it cannot move [1/kg]
-    double inv_inertia[9];       // world axes, row by row; 0 where it cannot turn [1/(kg m2)]
+    double velocity[3], spin[3];        // in: as they will be without what is in the table [m/s], [rad/s]; out: with it
+    double acceleration[3], turning[3]; // without it [m/s2], [rad/s2]
+    double inv_mass[3];                 // per axis, 0 where it cannot move [1/kg]
+    double inv_inertia[9];              // world axes, row by row; 0 where it cannot turn [1/(kg m2)]
     double along[3];             // direction of a straight guide over the root of the mass on it; 0: none [1/sqrt(kg)]
     double impulse[3], twist[3]; // on it in this step, the latter about `position` [N s], [N m s]
     double shift[3], turn[3];    // how far they move and turn it by the end of the step [m], [rad]
@@ -103,6 +105,9 @@ ancf_coupling* ancf_table_coupling(ancf_table* table, int i);
 // Gets ready for a step: velocities of the places from the field `velocity` (3 x stride), and what places do to each
 // other. ANCF_E_MEMORY if there is not enough.
 ancf_error ancf_table_prepare(ancf_table* table, const ancf_model* m, const double* velocity);
+
+// Accelerations of the places from a field (3 x stride); without this call, none.
+void ancf_table_accelerate(ancf_table* table, const ancf_model* m, const double* acceleration);
 
 // Sub-steps that the normal forces need in a step [s], and the contact that needs most; 0: nothing can touch in it.
 int ancf_table_substeps(ancf_table* table, double step, int* stiffest);
