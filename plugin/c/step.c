@@ -69,11 +69,12 @@ static void note_damping(ancf_model* m) {
     for (int i = 0; i < n; ++i) damping[i] -= elastic[i];
 }
 
-static void track_damping(ancf_model* m, double kick) {
+// after: the velocity when they have acted, and no contact yet.
+static void track_damping(ancf_model* m, double kick, const double* after) {
     const int n = 3 * m->stride;
     const double *damping = m->work + 2 * n, *before = damping + 2 * n;
     if (!m->track) return;
-    for (int i = 0; i < n; ++i) m->damping_work -= 0.5 * kick * damping[i] * (before[i] + m->v[i]);
+    for (int i = 0; i < n; ++i) m->damping_work -= 0.5 * kick * damping[i] * (before[i] + after[i]);
 }
 
 // Time over which the cable's own forces act in a step [s]: less than the step in the first one.
@@ -100,7 +101,7 @@ static void substep(ancf_model* m, const ancf_time* time) {
             force[i] += step * m->f[i];
             acceleration[i] += step * m->a[i];
         }
-        track_damping(m, step);
+        track_damping(m, step, m->v);
         add_scaled(m->x, m->x, step, m->v, n);
     }
     for (int i = 0; i < n; ++i) {
@@ -114,17 +115,19 @@ void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, con
     const double kick = substep_kick(time), step = time->step / time->substeps, whole = ancf_kick(time);
     note_damping(m);
     if (time->substeps == 1) {
+        track_damping(m, kick, m->free);
         if (after != m->free)
             for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / whole;
         memcpy(m->v, after, field_size(m));
     } else {
+        for (int i = 0; i < n; ++i) m->v[i] += kick * m->a[i];
+        track_damping(m, kick, m->v);
         for (int i = 0; i < n; ++i) {
             m->kick[i] = (after[i] - m->free[i]) / whole;
-            m->v[i] += kick * m->a[i] + whole * m->kick[i];
+            m->v[i] += whole * m->kick[i];
         }
         set_held(m, m->v);
     }
-    track_damping(m, kick);
     add_scaled(m->x, m->x, step, m->v, n);
     if (shift) add_scaled(m->x, m->x, 1.0, shift, n);
     if (time->substeps > 1) substep(m, time);

@@ -383,7 +383,12 @@ def engines(*parts, **options):
         if isinstance(engine, wrapper.InteractionLoop):
             pairs = engine.geomDispatcher.functors
             if not any(isinstance(f, wrapper.Ig2_Sheave_Sphere_ScGeom) for f in pairs):
-                engine.geomDispatcher.functors = [*pairs, wrapper.Ig2_Sheave_Sphere_ScGeom()]
+                engine.geomDispatcher.functors = [
+                    *pairs,
+                    wrapper.Ig2_Sheave_Sphere_ScGeom(),
+                    wrapper.Ig2_Sheave_CableElement_CableGeom(),
+                    wrapper.Ig2_Sheave_CarriedSphere_CableGeom(),
+                ]
     return made[:-1] + drives + made[-1:]
 
 
@@ -509,32 +514,25 @@ def wrap(cable, sheaveId):
     axis = axisOf(sheaveId)
     center, vel = np.array(body.state.pos), np.array(body.state.vel)
     spin = np.array(body.state.angVel)
-    own = {b: k for k, b in enumerate(cable.bodies)}
+    own = set(cable.bodies)
     rows = []
     for contact in body.intrs():
-        other = contact.id1 if contact.id2 == sheaveId else contact.id2
-        if other not in own or contact.phys.normalForce.norm() == 0:
+        if contact.id2 not in own or not contact.isReal:
             continue
-        point = O.bodies[other]
-        e = point.shape.element - cable._first[1]
-        arc = span._arc[e] + point.shape.xi * (span._arc[e + 1] - span._arc[e])
-        ahead = engine.point(point.shape.element, min(1.0, point.shape.xi + 1e-3))
-        behind = engine.point(point.shape.element, max(0.0, point.shape.xi - 1e-3))
-        t = np.array(ahead - behind)
-        t /= np.linalg.norm(t)
-        sign = 1 if contact.id2 == other else -1
-        pos = np.array(point.state.pos)
-        slip = np.array(point.state.vel) - vel - np.cross(spin, pos - center)
-        rows.append(
-            (
-                arc,
-                pos - center,
-                contact.phys.normalForce.norm(),
-                sign * np.dot(contact.phys.shearForce, t),
-                slip @ t,
-                np.linalg.norm(slip - (slip @ axis) * axis) < contact.phys.transitionVelocity,
-            )
-        )
+        found, slow = contact.geom, contact.phys.transitionVelocity
+        number = O.bodies[contact.id2].shape.element
+        e = number - cable._first[1]
+        for xi, force, friction in zip(found.xi, found.force, found.friction):
+            if force == 0:
+                continue
+            ahead = engine.point(number, min(1.0, xi + 1e-3))
+            t = np.array(ahead - engine.point(number, max(0.0, xi - 1e-3)))
+            t /= np.linalg.norm(t)
+            out = np.array(engine.point(number, xi)) - center
+            slip = np.array(engine.pointVelocity(number, xi)) - vel - np.cross(spin, out)
+            speed = np.linalg.norm(slip - (slip @ axis) * axis)
+            arc = span._arc[e] + xi * (span._arc[e + 1] - span._arc[e])
+            rows.append((arc, out, force, np.dot(friction, t), slip @ t, speed < slow))
     if not rows:
         return None
     rows.sort(key=lambda row: row[0])

@@ -92,8 +92,8 @@ class VtkRecorder:
     """Writes <prefix>cables-0000.vtp, <prefix>bodies-0000.vtp at each save(), and
     <prefix>cables.pvd with their times.
 
-    structures: cables and nets; bodies: ids of spheres and boxes, None: all that are no cable
-    points.
+    structures: cables and nets; bodies: ids of spheres and boxes, None: all that are no elements
+    of cables.
     """
 
     def __init__(self, prefix, structures, bodies=None, perElement=8):
@@ -106,7 +106,7 @@ class VtkRecorder:
         """Writes the present state."""
         ids = self.bodies
         if ids is None:
-            ids = [b.id for b in O.bodies if not isinstance(b.shape, wrapper.CablePoint)]
+            ids = [b.id for b in O.bodies if b.shape and not isinstance(b.shape, wrapper.CableElement)]
         self._write("cables", cableData(self.structures, self.perElement))
         self._write("bodies", bodyData(ids))
 
