@@ -32,7 +32,7 @@ public:
         ((Real, transitionVelocity, 1e-3, Attr::triggerPostLoad,
           "Tangential velocity $v_{t0}$ at which friction is largest [m/s]."))
         ((Real, impactDamping, .2, Attr::triggerPostLoad,
-          "Damping $\\alpha$ of the normal force, $c=\\frac32\\alpha k$ [s/m]: slow impacts come back at $1-\\alpha v$."))
+          "Damping $\\alpha$ of the normal force, $c=\\frac32\\alpha k$ [s/m]: a slow impact comes back at $1-\\alpha v$ of its speed."))
         ((Real, dashpot, 0, Attr::triggerPostLoad, "Damping $c$ of the spring-dashpot law, normal='linear' [N s/m]."))
         ((Real, normalStiffness, std::numeric_limits<Real>::quiet_NaN(), Attr::triggerPostLoad,
           "Stiffness $k$ of $f=k\\delta^n$ [N/m^n]. NaN: from young, poisson and the radii of the bodies (Hertz)."))

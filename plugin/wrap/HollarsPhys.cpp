@@ -35,8 +35,9 @@ ancf_friction HollarsPhys::frictionLaw() const {
 
 Real HollarsPhys::damping(Real depth) const {
     if (normalKind == ANCF_NORMAL_LINEAR) return dashpot;
-    return normalKind == ANCF_NORMAL_HERTZ ? 0
-                                           : 1.5 * impactDamping * normalStiffness * std::pow(depth, normalExponent);
+    if (normalKind == ANCF_NORMAL_HERTZ) return 0;
+    const ancf_normal spring = {ANCF_NORMAL_HERTZ, normalStiffness, normalExponent, 0};
+    return 1.5 * impactDamping * ancf_normal_force(&spring, depth, 0);
 }
 
 namespace {
@@ -149,39 +150,39 @@ void Law2_ScGeom_HollarsPhys_Hollars::postLoad(Law2_ScGeom_HollarsPhys_Hollars&)
     frictionKind = choose(friction, {"none", "coulomb", "hollars"}, "friction");
 }
 
-void EnergyOfStep::add(const Scene& scene, Real value) {
+void EnergyOfStep::add(EnergyTracker& all, Real value) {
     constexpr int quantum = -88, most = 38; // the sum of a step overflows beyond 2^39 J
-    EnergyTracker& all = *scene.energy;
-    if (!(std::abs(value) < std::ldexp(1., most))) { // also what is not finite
-        all.add(value, name, number, fromZero);
-        return;
-    }
-    if (number < 0) all.findId(name, number, fromZero);
-    if (iter != scene.iter) {
-        iter = scene.iter;
+    if (!begun) {
+        begun = true;
+        number = -1;
+        all.findId(name, number, fromZero);
         before = all.energies.get(static_cast<size_t>(number));
         sum = 0;
     }
-    sum += static_cast<__int128>(std::ldexp(value, -quantum));
+    if (std::abs(value) < std::ldexp(1., most)) sum += static_cast<__int128>(std::ldexp(value, -quantum));
+    else before += value; // or it is not finite
     all.set(before + std::ldexp(static_cast<Real>(sum), quantum), name, number);
 }
 
 // The first contact of a step, in whatever thread, gets here before any goes on.
 void Law2_ScGeom_HollarsPhys_Hollars::beginStep() {
-    const size_t bodies = scene->bodies->size();
-    if (begun.load(std::memory_order_acquire) == scene->iter && touched.size() == bodies) return;
+    const long iter = scene->iter;
+    const size_t now = scene->bodies->size();
+    if (begun.load() == iter && bodies.load() == now) return;
     const std::lock_guard<std::mutex> lock(mutex);
-    if (begun.load(std::memory_order_relaxed) == scene->iter && touched.size() == bodies) return;
+    if (begun.load() == iter && bodies.load() == now) return;
     touchedBefore.swap(touched);
-    if (touchedIter != scene->iter - 1) touchedBefore.clear();
-    touchedBefore.resize(bodies, 0);
-    touched.assign(bodies, 0);
-    touchedIter = scene->iter;
+    if (touchedIter != iter - 1) touchedBefore.clear();
+    touchedBefore.resize(now, 0);
+    touched.assign(now, 0);
+    touchedIter = iter;
+    for (EnergyOfStep* each : {&elastic, &damped, &rubbed}) each->beginStep();
     gravity = Vector3r::Zero();
     for (const auto& engine : scene->engines)
         if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get()); newton && !newton->dead)
             gravity = newton->gravity;
-    begun.store(scene->iter, std::memory_order_release);
+    bodies = now;
+    begun = iter;
 }
 
 // Contacts of a body in the step before, all of which act at once. In this step they are still being found.
@@ -250,9 +251,9 @@ bool Law2_ScGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
     const Real damping = force - elasticForce;
     if (scene->trackEnergy) { // half of a step's work is done at the velocity before, half at that after it
         const std::lock_guard<std::mutex> lock(mutex);
-        elastic.add(*scene, ancf_normal_energy(&law, depth));
-        damped.add(*scene, (phys.dampingForce + damping) * rate * dt / 2);
-        rubbed.add(*scene, (phys.shearForce + friction).dot(slip) * dt / 2);
+        elastic.add(*scene->energy, ancf_normal_energy(&law, depth));
+        damped.add(*scene->energy, (phys.dampingForce + damping) * rate * dt / 2);
+        rubbed.add(*scene->energy, (phys.shearForce + friction).dot(slip) * dt / 2);
     }
     phys.dampingForce = damping;
     phys.shearForce = friction;

@@ -83,18 +83,20 @@ class EnergyOfStep {
     const char* name;
     bool fromZero; // in each step
     int number = -1;
-    long iter = -1;
+    bool begun = false;
     Real before = 0;
     __int128 sum = 0;
 
 public:
     EnergyOfStep(const char* name, bool fromZero) : name(name), fromZero(fromZero) {}
-    void add(const Scene& scene, Real value);
+    void beginStep() { begun = false; }
+    void add(EnergyTracker& all, Real value);
 };
 
 class Law2_ScGeom_HollarsPhys_Hollars : public LawFunctor {
     std::mutex mutex;
     std::atomic<long> begun {-1};        // the iteration for which beginStep ran
+    std::atomic<size_t> bodies {0};      // how many there were then
     vector<int> touchedBefore;           // like `touched`, in the step before
     Vector3r gravity = Vector3r::Zero(); // as NewtonIntegrator will apply it
     int normalKind = 2, frictionKind = 2;

@@ -349,6 +349,33 @@ def test_share_of_friction_is_that_of_the_step_before(scene):
     assert min(speeds) > -1e-12 and speeds[-1] < 1e-8
 
 
+def timeOfSteps(balls):
+    """Of 100 steps of a free plate with balls on it [s], in the contact loop."""
+    O.reset()
+    material("m", young=1e8, density=1000)
+    for k in range(balls):
+        ball((0.02 * (k % 40), 0.02 * (k // 40), 0), 0.0051, material="m")
+    plate = O.bodies[O.bodies.append(utils.box((0.4, 0.2, 0.01), (0.5, 0.5, 0.005), material="m"))]
+    plate.state.blockedDOFs = "zXYZ"
+    O.engines = bodyEngines()
+    O.dt = 1e-6
+    steps(3)
+    assert len([i for i in O.interactions if i.isReal]) == balls
+    plate.state.vel = (1e-2, 0, 0)
+    O.timingEnabled = True
+    took = []
+    for _ in range(5):
+        before = O.engines[2].execTime
+        steps(20)
+        took.append(O.engines[2].execTime - before)
+    O.timingEnabled = False
+    return min(took)
+
+
+def test_step_is_linear_in_the_contacts_of_a_body(scene):
+    assert timeOfSteps(800) < 7 * timeOfSteps(200)
+
+
 # ---- step and restitution ------------------------------------------------------------------------
 
 
