@@ -357,12 +357,12 @@ void CableContacts::giveBodies(const CableEngine& cable) const {
         const Body& body = *(*s.bodies)[entries[i].id];
         const Vector3r impulse = vectorOf(b.impulse), twist = vectorOf(b.twist);
         if (impulse == Vector3r::Zero() && twist == Vector3r::Zero()) continue;
-        s.forces.addTorque(body.id, twist / s.dt);
         const bool driven = drivenBody(s, body);
         const Vector3r turn = vectorOf(b.turn) - s.dt * (vectorOf(b.spin) - entries[i].spinBefore);
         if (!driven && turn != Vector3r::Zero()) body.state->ori = turned(turn) * body.state->ori;
-        if (entries[i].carrier >= 0) continue;
-        s.forces.addForce(body.id, impulse / s.dt);
+        const bool carried = entries[i].carrier >= 0; // what moves it, its knot takes
+        addExactly(s, body, body, carried ? Vector3r(Vector3r::Zero()) : Vector3r(impulse / s.dt), twist / s.dt);
+        if (carried) continue;
         body.state->pos += vectorOf(b.shift) - s.dt * (vectorOf(b.velocity) - entries[i].before);
     }
 }

@@ -24,7 +24,7 @@ public:
 
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(HollarsMat, ElastMat,
-        "Material with Hunt-Crossley normal force $f_n=k\\delta^n(1+\\alpha\\dot\\delta)$ and Hollars friction "
+        "Material with Hunt-Crossley normal force $f_n=k\\delta^n(1+\\frac32\\alpha\\dot\\delta)$ and Hollars friction "
         "$f_t=f_n\\left[\\min(v_t/v_{t0},1)\\left(\\mu_k+\\frac{2(\\mu_s-\\mu_k)}{1+(v_t/v_{t0})^2}\\right)\\right]$ "
         "(Shan, Guo and Gill 2019, Eq. 10 and 11).",
         ((Real, staticFriction, .3, Attr::triggerPostLoad, "Coefficient of static friction $\\mu_s$ [-]."))
@@ -32,7 +32,7 @@ public:
         ((Real, transitionVelocity, 1e-3, Attr::triggerPostLoad,
           "Tangential velocity $v_{t0}$ at which friction is largest [m/s]."))
         ((Real, impactDamping, .2, Attr::triggerPostLoad,
-          "Damping $\\alpha$ of the normal force [s/m]."))
+          "Damping $\\alpha$ of the normal force, $c=\\frac32\\alpha k$ [s/m]: a slow impact comes back at $1-\\alpha v$ of its speed."))
         ((Real, dashpot, 0, Attr::triggerPostLoad, "Damping $c$ of the spring-dashpot law, normal='linear' [N s/m]."))
         ((Real, normalStiffness, std::numeric_limits<Real>::quiet_NaN(), Attr::triggerPostLoad,
           "Stiffness $k$ of $f=k\\delta^n$ [N/m^n]. NaN: from young, poisson and the radii of the bodies (Hertz)."))

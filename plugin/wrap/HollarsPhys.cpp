@@ -5,11 +5,20 @@
 #include "Mobility.hpp"
 #include "Sheave.hpp"
 
+#include <core/Omega.hpp>
 #include <core/Scene.hpp>
+#include <pkg/common/Box.hpp>
+#include <pkg/common/Facet.hpp>
+#include <pkg/common/Wall.hpp>
+#include <pkg/dem/NewtonIntegrator.hpp>
+
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 namespace yade {
 
@@ -27,29 +36,50 @@ ancf_friction HollarsPhys::frictionLaw() const {
 
 Real HollarsPhys::damping(Real depth) const {
     if (normalKind == ANCF_NORMAL_LINEAR) return dashpot;
-    return normalKind == ANCF_NORMAL_HERTZ ? 0
-                                           : 1.5 * impactDamping * normalStiffness * std::pow(depth, normalExponent);
+    if (normalKind == ANCF_NORMAL_HERTZ) return 0;
+    const ancf_normal spring = {ANCF_NORMAL_HERTZ, normalStiffness, normalExponent, 0};
+    return 1.5 * impactDamping * ancf_normal_force(&spring, depth, 0);
 }
 
 namespace {
-    // Radius of the contact [m]: 1 over the sum of mean curvatures, r1 r2/(r1 + r2) for spheres. A sheave has that of
-    // its groove's bottom; what is neither is taken as flat.
+    constexpr Real infinite = std::numeric_limits<Real>::infinity();
+
+    // Curvature of a sheave where a ball of that radius touches it [1/m]. One that does not fit into the round bottom
+    // touches walls or lips: those are straight across, or edges, for which Hertz has no radius, so that only the bend
+    // around the axis is left.
+    Real sheaveCurvature(const ancf_groove& groove, Real ball) {
+        return ball < groove.fillet ? ancf_groove_curvature(&groove) : .5 / groove.radius;
+    }
+
+    // Radius of the contact [m]: 1 over the sum of mean curvatures, r1 r2/(r1 + r2) for spheres. What is neither sphere
+    // nor sheave is taken as flat; where both are, the radii count that their Ig2 functor gave the contact.
     Real contactRadius(const Scene* scene, const Interaction& contact) {
-        Real curvature = 0;
-        for (const auto id : {contact.getId1(), contact.getId2()})
-            if (const auto* sphere = dynamic_cast<const Sphere*>((*scene->bodies)[id]->shape.get()))
-                curvature += 1 / sphere->radius;
-            else if (const auto* cable = CableElement::of(*(*scene->bodies)[id])) curvature += 1 / cable->radius;
-            else if (const auto* sheave = dynamic_cast<const Sheave*>((*scene->bodies)[id]->shape.get()))
-                curvature += ancf_groove_curvature(&sheave->groove());
-        return curvature > 0 ? 1 / curvature : std::numeric_limits<Real>::infinity();
+        const Shape* shapes[] = {(*scene->bodies)[contact.getId1()]->shape.get(),
+                                 (*scene->bodies)[contact.getId2()]->shape.get()};
+        Real curvature = 0, ball = 0;
+        for (const Shape* shape : shapes)
+            if (const auto* sphere = dynamic_cast<const Sphere*>(shape)) {
+                ball = sphere->radius;
+                curvature += 1 / ball;
+            } else if (const auto* cable = dynamic_cast<const CableElement*>(shape)) {
+                ball = cable->radius; // the study's spheres of the cable's thickness
+                curvature += 1 / ball;
+            }
+        for (const Shape* shape : shapes)
+            if (const auto* sheave = dynamic_cast<const Sheave*>(shape))
+                curvature += sheaveCurvature(sheave->groove(), ball);
+        if (const auto* given = dynamic_cast<const GenericSpheresContact*>(contact.geom.get());
+            given && !(curvature > 0))
+            for (const Real radius : {given->refR1, given->refR2})
+                if (radius > 0) curvature += 1 / radius;
+        return curvature > 0 ? 1 / curvature : infinite;
     }
 } // namespace
 
 void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real radius) {
     phys.normalStiffness = ancf_hertz_stiffness(radius, a.young, a.poisson, b.young, b.poisson);
     phys.normalExponent = 1.5;
-    Real given = std::numeric_limits<Real>::infinity();
+    Real given = infinite;
     for (const auto* each : {&a, &b})
         if (const auto* mat = dynamic_cast<const HollarsMat*>(each); mat && mat->normalStiffness < given) {
             phys.normalStiffness = given = mat->normalStiffness;
@@ -60,38 +90,58 @@ void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real 
                                  "for Hertz: give HollarsMat.normalStiffness");
 }
 
-void mixHollars(HollarsPhys& phys, const HollarsMat& a, const HollarsMat& b, Real radius) {
-    setStiffness(phys, a, b, radius);
-    phys.impactDamping = (a.impactDamping + b.impactDamping) / 2;
-    phys.dashpot = (a.dashpot + b.dashpot) / 2;
-    phys.staticFriction = std::min(a.staticFriction, b.staticFriction);
-    phys.kineticFriction = std::min(a.kineticFriction, b.kineticFriction);
-    phys.transitionVelocity = std::max(a.transitionVelocity, b.transitionVelocity);
+namespace {
+    // What a material says of friction and damping. Where it says nothing, a value that min and max pass over, or NaN.
+    struct Rub {
+        Real staticFriction = infinite, kineticFriction = infinite, transitionVelocity = 0;
+        Real impactDamping = std::numeric_limits<Real>::quiet_NaN(), dashpot = impactDamping;
+
+        explicit Rub(const ElastMat& material) {
+            if (const auto* hollars = dynamic_cast<const HollarsMat*>(&material)) {
+                staticFriction = hollars->staticFriction;
+                kineticFriction = hollars->kineticFriction;
+                transitionVelocity = hollars->transitionVelocity;
+                impactDamping = hollars->impactDamping;
+                dashpot = hollars->dashpot;
+            } else if (const auto* frict = dynamic_cast<const FrictMat*>(&material)) {
+                staticFriction = kineticFriction = std::tan(frict->frictionAngle);
+            }
+        }
+    };
+
+    Real meanOfGiven(Real a, Real b) {
+        if (std::isnan(a)) return std::isnan(b) ? 0 : b;
+        return std::isnan(b) ? a : (a + b) / 2;
+    }
+
+    void makePhys(const Scene* scene, const Material& first, const Material& second, Interaction& contact) {
+        if (contact.phys) return;
+        auto phys = shared_ptr<HollarsPhys>(new HollarsPhys);
+        mixHollars(*phys, static_cast<const ElastMat&>(first), static_cast<const ElastMat&>(second),
+                   contactRadius(scene, contact));
+        contact.phys = phys;
+    }
+} // namespace
+
+void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second, Real radius) {
+    setStiffness(phys, first, second, radius);
+    const Rub a(first), b(second);
+    const auto lesser = [](Real x, Real y) { return std::isinf(x) && std::isinf(y) ? 0 : std::min(x, y); };
+    phys.staticFriction = lesser(a.staticFriction, b.staticFriction);
+    phys.kineticFriction = lesser(a.kineticFriction, b.kineticFriction);
+    if (const Real v = std::max(a.transitionVelocity, b.transitionVelocity); v > 0) phys.transitionVelocity = v;
+    phys.impactDamping = meanOfGiven(a.impactDamping, b.impactDamping);
+    phys.dashpot = meanOfGiven(a.dashpot, b.dashpot);
 }
 
 void Ip2_HollarsMat_HollarsMat_HollarsPhys::go(const shared_ptr<Material>& first, const shared_ptr<Material>& second,
                                                const shared_ptr<Interaction>& contact) {
-    if (contact->phys) return;
-    const auto &a = static_cast<const HollarsMat&>(*first), &b = static_cast<const HollarsMat&>(*second);
-    auto phys = shared_ptr<HollarsPhys>(new HollarsPhys);
-    mixHollars(*phys, a, b, contactRadius(scene, *contact));
-    contact->phys = phys;
+    makePhys(scene, *first, *second, *contact);
 }
 
 void Ip2_FrictMat_HollarsMat_HollarsPhys::go(const shared_ptr<Material>& first, const shared_ptr<Material>& second,
                                              const shared_ptr<Interaction>& contact) {
-    if (contact->phys) return;
-    const auto& a = static_cast<const FrictMat&>(*first);
-    const auto& b = static_cast<const HollarsMat&>(*second);
-    const Real mu = std::tan(a.frictionAngle);
-    auto phys = shared_ptr<HollarsPhys>(new HollarsPhys);
-    setStiffness(*phys, a, b, contactRadius(scene, *contact));
-    phys->impactDamping = b.impactDamping;
-    phys->dashpot = b.dashpot;
-    phys->staticFriction = std::min(mu, b.staticFriction);
-    phys->kineticFriction = std::min(mu, b.kineticFriction);
-    phys->transitionVelocity = b.transitionVelocity;
-    contact->phys = phys;
+    makePhys(scene, *first, *second, *contact);
 }
 
 namespace {
@@ -108,64 +158,233 @@ void Law2_ScGeom_HollarsPhys_Hollars::postLoad(Law2_ScGeom_HollarsPhys_Hollars&)
     frictionKind = choose(friction, {"none", "coulomb", "hollars"}, "friction");
 }
 
-// Elastic energy of the contact as it stands, and what its damping takes out in this step.
-void Law2_ScGeom_HollarsPhys_Hollars::trackNormal(Real elasticForce, Real force, Real rate, Real energy) {
-    scene->energy->add(energy, "contactElastic", elasticIx, true);
-    scene->energy->add((force - elasticForce) * rate * scene->dt, "contactDamping", dampIx, false);
+void EnergyOfStep::add(EnergyTracker& all, Real value) {
+    constexpr int quantum = -88, most = 38; // the sum of a step overflows beyond 2^39 J
+    if (!begun) {
+        begun = true;
+        number = -1;
+        all.findId(name, number, fromZero);
+        before = all.energies.get(static_cast<size_t>(number));
+        sum = 0;
+    }
+    if (std::abs(value) < std::ldexp(1., most)) sum += static_cast<__int128>(std::ldexp(value, -quantum));
+    else before += value; // or it is not finite
+    all.set(before + std::ldexp(static_cast<Real>(sum), quantum), name, number);
 }
+
+// The first contact of a step, in whatever thread, gets here before any goes on.
+void Law2_ScGeom_HollarsPhys_Hollars::beginStep() {
+    const long iter = scene->iter;
+    const size_t now = scene->bodies->size();
+    if (begun.load() == iter && bodies.load() == now) return;
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (begun.load() == iter && bodies.load() == now) return;
+    touchedBefore.swap(touched);
+    if (touchedIter != iter - 1) touchedBefore.clear();
+    touchedBefore.resize(now, 0);
+    touched.assign(now, 0);
+    touchedIter = iter;
+    for (EnergyOfStep* each : {&elastic, &damped, &rubbed}) each->beginStep();
+    gravity = Vector3r::Zero();
+    for (const auto& engine : scene->engines)
+        if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get()); newton && !newton->dead)
+            gravity = newton->gravity;
+    bodies = now;
+    begun = iter;
+}
+
+// Contacts of a body in the step before, all of which act at once. In this step they are still being found.
+Real Law2_ScGeom_HollarsPhys_Hollars::share(const Body& moved) const { return std::max(1, touchedBefore[moved.id]); }
+
+void Law2_ScGeom_HollarsPhys_Hollars::count(const Body& moved) {
+#pragma omp atomic
+    ++touched[moved.id];
+}
+
+namespace {
+    // A body in contact, and what answers for it.
+    struct Side {
+        const Body &body, &moved;
+        const Mobility answer;
+
+        Side(const Scene& scene, Body::id_t id)
+            : body(*(*scene.bodies)[id]), moved(movedBody(scene, body)), answer(mobility(scene, moved)) {}
+        Real compliance(const Vector3r& at, const Vector3r& direction) const {
+            return yade::compliance(answer, moved, at, direction);
+        }
+        // What NewtonIntegrator will add to its velocity of a field of acceleration.
+        Vector3r falling(const Vector3r& gravity) const {
+            return (answer.inverseMass.array() > 0).select(gravity, Vector3r::Zero());
+        }
+    };
+} // namespace
 
 bool Law2_ScGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys>& ip, Interaction* contact) {
     const auto& geom = static_cast<const ScGeom&>(*ig);
     auto& phys = static_cast<HollarsPhys&>(*ip);
-    const Body &b1 = *(*scene->bodies)[contact->getId1()], &b2 = *(*scene->bodies)[contact->getId2()];
-    const CableElement *p1 = nullptr, *p2 = nullptr;
     phys.normalKind = normalKind;
     phys.frictionKind = frictionKind;
-    const bool excluded = (p1 && p1->excludes(b2.id)) || (p2 && p2->excludes(b1.id));
-    if (geom.penetrationDepth < 0 || excluded) {
-        phys.kn = phys.ks = 0;
-        phys.normalForce = phys.shearForce = Vector3r::Zero();
-        phys.dampingForce = 0;
-        return excluded; // an excluded pair stays, without force
-    }
-    // A cable has no twist to take a torque: forces act at its centreline, and velocities are taken there.
-    const Vector3r at = p1 ? b1.state->pos : p2 ? b2.state->pos : geom.contactPoint;
-    const Vector3r slip = velocityAt(*b1.state, at) - velocityAt(*b2.state, p1 && p2 ? b2.state->pos : at);
-    const ancf_normal law = phys.normalLaw();
-    // The damping of a cable's contact is solved for by its engine, like friction.
-    const Real rate = p1 || p2 ? 0 : slip.dot(geom.normal);
-    const Real force = ancf_normal_force(&law, geom.penetrationDepth, rate);
-    phys.kn = ancf_normal_tangent(&law, geom.penetrationDepth);
-    phys.normalForce = force * geom.normal;
-    if (scene->trackEnergy && (p1 || p2)) {
-        scene->energy->add(ancf_normal_energy(&law, geom.penetrationDepth), "contactElastic", elasticIx, true);
-    } else if (scene->trackEnergy) {
-        const ancf_normal elastic = {law.kind, law.stiffness, law.exponent, 0};
-        trackNormal(ancf_normal_force(&elastic, geom.penetrationDepth, 0), force, rate,
-                    ancf_normal_energy(&law, geom.penetrationDepth));
-    }
-    const ancf_friction rub = phys.frictionLaw();
-    phys.ks = force * ancf_friction_slope(&rub) / scene->dt;
-    if (p1 || p2) return true;
+    const Real depth = geom.penetrationDepth, dt = scene->dt;
+    if (depth < 0) return false;
+    beginStep();
+    const Side one(*scene, contact->getId1()), two(*scene, contact->getId2());
+    const Vector3r at = geom.contactPoint, normal = geom.normal;
+    const Vector3r slip = velocityAt(*one.body.state, at) - velocityAt(*two.body.state, at);
 
-    const Vector3r tangential = slip - rate * geom.normal;
-    const Real speed = tangential.norm();
-    phys.shearForce = Vector3r::Zero();
-    if (speed > 0 && force > 0) {
-        const Vector3r direction = tangential / speed;
-        // All contacts of a body act at once: each is solved with its share of the mass.
-        const Real w = sharedCompliance(*scene, b1, at, direction) + sharedCompliance(*scene, b2, at, direction);
-        const Real left = ancf_friction_solve(&rub, speed, w * scene->dt * force);
-        phys.shearForce = ancf_friction_coefficient(&rub, left) * force * direction;
-        if (scene->trackEnergy)
-            scene->energy->add(phys.shearForce.norm() * left * scene->dt, "contactFriction", frictionIx, false);
+    // f = f_elastic + c (rate + new rate)/2. The elastic part depends on places alone: anything else lets a heap of
+    // grains gain energy.
+    const ancf_normal law = phys.normalLaw(), spring = {law.kind, law.stiffness, law.exponent, 0};
+    const Real rate = slip.dot(normal), spell = dt / 2 * (one.compliance(at, normal) + two.compliance(at, normal));
+    const Real elasticForce = ancf_normal_force(&spring, depth, 0), c = depth > 0 ? phys.damping(depth) : 0;
+    const Real force = std::max(0., (elasticForce + c * rate) / (1 + c * spell));
+    phys.kn = ancf_normal_tangent(&law, depth);
+    phys.normalForce = force * normal;
+    const ancf_friction rub = phys.frictionLaw();
+    phys.ks = force * ancf_friction_slope(&rub) / dt;
+
+    Vector3r friction = Vector3r::Zero();
+    if (force > 0) {
+        for (const Side* side : {&one, &two})
+            if (side->answer.movable()) count(side->moved);
+        const Vector3r pull = one.falling(gravity) - two.falling(gravity);
+        const Vector3r free = slip - rate * normal + dt * (pull - pull.dot(normal) * normal);
+        if (const Real speed = free.norm(); speed > 0) {
+            const Vector3r direction = free / speed;
+            const Real w =
+                share(one.moved) * one.compliance(at, direction) + share(two.moved) * two.compliance(at, direction);
+            const Real left = ancf_friction_solve(&rub, speed, w * dt * force);
+            friction = ancf_friction_coefficient(&rub, left) * force * direction;
+        }
     }
+    const Real damping = force - elasticForce;
+    if (scene->trackEnergy) { // half of a step's work is done at the velocity before, half at that after it
+        const std::lock_guard<std::mutex> lock(mutex);
+        elastic.add(*scene->energy, ancf_normal_energy(&law, depth));
+        damped.add(*scene->energy, (phys.dampingForce + damping) * rate * dt / 2);
+        rubbed.add(*scene->energy, (phys.shearForce + friction).dot(slip) * dt / 2);
+    }
+    phys.dampingForce = damping;
+    phys.shearForce = friction;
     const Vector3r total = phys.normalForce + phys.shearForce;
-    for (const auto& [body, sign] : {std::pair(&b1, -1.), std::pair(&b2, 1.)}) {
-        scene->forces.addForce(body->id, sign * total);
-        scene->forces.addTorque(body->id, (at - body->state->pos).cross(sign * total));
-    }
+    for (const auto& [side, sign] : {std::pair(&one, -1.), std::pair(&two, 1.)})
+        addExactly(*scene, side->body, side->moved, sign * total,
+                   (at - side->body.state->pos).cross(Vector3r(sign * total)));
     return true;
+}
+
+namespace {
+    // Bodies that are alike to a contact are represented by those that can need the smallest step.
+    struct Kind {
+        const ElastMat* material;
+        Real curvature; // of the surface, 0: flat, below: a sheave's bottom [1/m]
+        Real answer;    // velocity along the normal by a unit impulse, at most; 0: does not move [1/kg]
+        const Body* moved;
+        bool several; // there are others that move apart from it
+    };
+
+    // Along a normal that goes through a place, whatever its direction: the largest eigenvalue.
+    Real mostThrough(const Mobility& m, const Vector3r& arm) {
+        Matrix3r across;
+        across << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0;
+        const Matrix3r all = m.massPart() + across.transpose() * m.inverseInertia * across;
+        return Eigen::SelfAdjointEigenSolver<Matrix3r>(all, Eigen::EigenvaluesOnly).eigenvalues()[2];
+    }
+
+    // Of a box: at the corners, along its axes.
+    Real mostAtCorners(const Mobility& m, const Body& moved, const State& state, const Vector3r& half) {
+        Real most = 0;
+        for (int corner = 0; corner < 4; ++corner)
+            for (int axis = 0; axis < 3; ++axis) {
+                const Vector3r place(half[0], corner & 1 ? -half[1] : half[1], corner & 2 ? -half[2] : half[2]);
+                const Vector3r normal = state.ori * Vector3r(Vector3r::Unit(axis));
+                most = std::max(most, compliance(m, moved, state.pos + state.ori * place, normal));
+            }
+        return most;
+    }
+
+    // False for what our law does not handle.
+    bool kindOf(Kind& kind, const Scene& scene, const Body& body) {
+        const Shape* shape = body.shape.get();
+        kind.material = dynamic_cast<const ElastMat*>(body.material.get());
+        if (!kind.material || !shape) return false;
+        kind.moved = &movedBody(scene, body);
+        kind.several = false;
+        const Mobility m = mobility(scene, *kind.moved);
+        kind.curvature = 0;
+        if (const auto* box = dynamic_cast<const Box*>(shape)) {
+            kind.answer = mostAtCorners(m, *kind.moved, *body.state, box->extents);
+            return true;
+        }
+        kind.answer = mostThrough(m, body.state->pos - kind.moved->state->pos);
+        if (const auto* sphere = dynamic_cast<const Sphere*>(shape)) kind.curvature = 1 / sphere->radius;
+        else if (const auto* sheave = dynamic_cast<const Sheave*>(shape))
+            kind.curvature = ancf_groove_curvature(&sheave->groove());
+        else return dynamic_cast<const Facet*>(shape) || dynamic_cast<const Wall*>(shape);
+        return true;
+    }
+
+    // For each material, round or not, fixed or not: the body that answers most, and the flattest.
+    vector<Kind> kindsOf(const Scene& scene) {
+        using Key = std::tuple<Real, Real, Real, Real, bool, bool, bool>;
+        std::map<Key, std::pair<Kind, Kind>> found;
+        // stiffness goes with the root of the radius
+        const auto need = [](const Kind& k) { return k.answer / std::sqrt(std::max(k.curvature, 1e-12)); };
+        for (const auto& body : *scene.bodies) {
+            Kind kind;
+            if (!body || !kindOf(kind, scene, *body)) continue;
+            const auto* hollars = dynamic_cast<const HollarsMat*>(kind.material);
+            const bool given = hollars && std::isfinite(hollars->normalStiffness);
+            const Key key {kind.material->young,
+                           kind.material->poisson,
+                           given ? hollars->normalStiffness : -1,
+                           given ? hollars->normalExponent : -1,
+                           hollars != nullptr,
+                           kind.curvature > 0,
+                           kind.answer > 0};
+            auto& [first, flattest] = found.insert({key, {kind, kind}}).first->second;
+            const bool several = first.several || kind.moved != first.moved;
+            if (need(kind) > need(first)) first = kind;
+            if (kind.curvature < flattest.curvature) flattest = kind;
+            first.several = several;
+        }
+        vector<Kind> kinds;
+        for (const auto& [key, both] : found) {
+            kinds.push_back(both.first);
+            if (both.second.curvature < both.first.curvature) kinds.push_back(both.second);
+        }
+        return kinds;
+    }
+
+    // From touch to parting without damping, of k delta^n at a speed and an answer [s].
+    Real contactTime(Real k, Real n, Real speed, Real answer) {
+        const Real depth = std::pow((n + 1) * speed * speed / (2 * k * answer), 1 / (n + 1));
+        return 2 * depth / speed * std::sqrt(M_PI) * std::tgamma(1 + 1 / (n + 1)) / std::tgamma(.5 + 1 / (n + 1));
+    }
+} // namespace
+
+Real Law2_ScGeom_HollarsPhys_Hollars::contactTimeStep(Real speed) const {
+    constexpr Real part = 1. / 7;
+    if (!(speed > 0 && std::isfinite(speed)))
+        throw std::invalid_argument("Law2_ScGeom_HollarsPhys_Hollars.contactTimeStep: speed = " +
+                                    std::to_string(speed) + ": must be finite and above 0 [m/s]");
+    const vector<Kind> kinds = kindsOf(*Omega::instance().getScene());
+    Real least = infinite;
+    for (size_t i = 0; i < kinds.size(); ++i)
+        for (size_t j = i; j < kinds.size(); ++j) {
+            const Kind &a = kinds[i], &b = kinds[j];
+            const Real answer = a.answer + b.answer, rounder = std::max(a.curvature, b.curvature);
+            // half that of the ball: in the tightest groove that it fits into
+            const Real curvature = std::max(a.curvature + b.curvature, rounder / 2);
+            const bool hollars =
+                dynamic_cast<const HollarsMat*>(a.material) || dynamic_cast<const HollarsMat*>(b.material);
+            if (!hollars || !(curvature > 0 && answer > 0) || (i == j && !a.several)) continue;
+            HollarsPhys phys;
+            setStiffness(phys, *a.material, *b.material, 1 / curvature);
+            phys.normalKind = normalKind;
+            const Real n = normalKind == ANCF_NORMAL_LINEAR ? 1 : phys.normalExponent;
+            if (phys.normalStiffness > 0) least = std::min(least, contactTime(phys.normalStiffness, n, speed, answer));
+        }
+    return part * least;
 }
 
 } // namespace yade

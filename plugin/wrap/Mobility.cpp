@@ -4,9 +4,8 @@
 #include "Drive.hpp"
 
 #include <core/Clump.hpp>
-#include <core/Interaction.hpp>
 
-#include <algorithm>
+#include <cmath>
 
 namespace yade {
 
@@ -27,35 +26,45 @@ void forceOn(Scene& scene, const Body& body, Vector3r& force, Vector3r& torque) 
     }
 }
 
+namespace {
+    Real inverse(Real inertia) { return inertia > 0 ? 1 / inertia : 0; }
+} // namespace
+
 Mobility mobility(const Scene& scene, const Body& moved) {
     const State& state = *moved.state;
     Mobility m;
     for (int i = 0; i < 3; ++i)
-        if (!(state.blockedDOFs & (State::DOF_X << i))) m.inverseMass[i] = 1 / state.mass;
+        if (!(state.blockedDOFs & (State::DOF_X << i))) m.inverseMass[i] = inverse(state.mass);
     const unsigned turns = ~state.blockedDOFs & State::DOF_RXRYRZ;
     if (turns == State::DOF_RXRYRZ && moved.isAspherical()) {
         const Matrix3r axes = state.ori.toRotationMatrix();
         m.inverseInertia = axes * state.inertia.cwiseInverse().asDiagonal() * axes.transpose();
     } else // turned about the axes of the scene, as NewtonIntegrator does
         for (int i = 0; i < 3; ++i)
-            if (turns & (State::DOF_RX << i)) m.inverseInertia(i, i) = 1 / state.inertia[i];
+            if (turns & (State::DOF_RX << i)) m.inverseInertia(i, i) = inverse(state.inertia[i]);
     if (!turns || !(~state.blockedDOFs & State::DOF_XYZ))
         eachDrive(scene, [&](const Drive& drive) { drive.addMobility(m, scene, moved); });
     return m;
 }
 
+Real compliance(const Mobility& m, const Body& moved, const Vector3r& at, const Vector3r& direction) {
+    const Vector3r turn = (at - moved.state->pos).cross(direction);
+    return direction.dot(m.massPart() * direction) + turn.dot(m.inverseInertia * turn);
+}
+
 namespace {
-    long touching(const Body& body) {
-        return std::count_if(body.intrs.begin(), body.intrs.end(), [](const auto& i) { return i.second->isReal(); });
+    Vector3r rounded(const Vector3r& value, Real largest) {
+        if (!(largest > 0 && std::isfinite(largest))) return value;
+        const Real unit = std::ldexp(1., std::ilogb(largest) - 53);
+        return Vector3r(std::rint(value[0] / unit), std::rint(value[1] / unit), std::rint(value[2] / unit)) * unit;
     }
 } // namespace
 
-Real sharedCompliance(const Scene& scene, const Body& body, const Vector3r& at, const Vector3r& direction) {
-    const Body& moved = movedBody(scene, body);
-    const Mobility m = mobility(scene, moved);
-    const Vector3r turn = (at - moved.state->pos).cross(direction);
-    const Real alone = direction.dot(m.massPart() * direction) + turn.dot(m.inverseInertia * turn);
-    return alone > 0 ? alone * static_cast<Real>(std::max(1L, touching(body))) : 0;
+void addExactly(Scene& scene, const Body& body, const Body& moved, const Vector3r& force, const Vector3r& torque) {
+    const State& state = *moved.state;
+    const Real inertia = state.inertia.maxCoeff(), square = scene.dt * scene.dt;
+    scene.forces.addForce(body.id, rounded(force, std::sqrt(state.mass * inertia) / square));
+    scene.forces.addTorque(body.id, rounded(torque, inertia / square));
 }
 
 } // namespace yade

@@ -38,8 +38,14 @@ struct Mobility {
 // With what engines such as SheaveEngine do for bodies that NewtonIntegrator sees as blocked.
 Mobility mobility(const Scene& scene, const Body& moved);
 
-// direction·(velocity gained at `at` by a unit impulse along direction) [1/kg], for one of the body's contacts when
-// all of them act at once.
-Real sharedCompliance(const Scene& scene, const Body& body, const Vector3r& at, const Vector3r& direction);
+// direction·(velocity gained at `at` by a unit impulse along direction) [1/kg].
+Real compliance(const Mobility& m, const Body& moved, const Vector3r& at, const Vector3r& direction);
+
+// Adds a force and a torque to those on a body so that their sum has the same bits in whatever order, and by whatever
+// threads, it is made. Both are rounded to a power of two, by less than 1e-16 of the force that moves the body by its
+// radius of gyration in one step (of the torque that turns it by 1). Such numbers add up without error as long as the
+// sum is below half of that force: ten times what a contact a tenth of the radius deep gives at its own step. `moved`
+// is movedBody(body); one without mass or inertia gets them as they are.
+void addExactly(Scene& scene, const Body& body, const Body& moved, const Vector3r& force, const Vector3r& torque);
 
 } // namespace yade
