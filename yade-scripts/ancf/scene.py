@@ -26,6 +26,7 @@ def engines(
     integrator="leapfrog",
     substeps="auto",
     contact=None,
+    speed=None,
     verletDist=None,
 ):
     """The complete list for O.engines, and sets O.dt.
@@ -37,6 +38,8 @@ def engines(
                  number exactly that many
     contact      dict with normal='nonlinear'|'hertz'|'linear' and
                  friction='hollars'|'coulomb'|'none'
+    speed        at which bodies other than cables are expected to meet [m/s]; None: the fastest motion
+                 in the scene, at least 1. Their contact stiffness and so O.dt depend on it, weakly
     verletDist   sweep length of the collider for bodies other than cables [m]; None: an eighth of
                  the shortest element, at least a cable's radius
 
@@ -67,7 +70,9 @@ def engines(
     for structure in structures:
         if getattr(structure, "folded", False) and O.iter == 0:
             _checkFolded(structure)
-    O.dt = timeStep(cable)
+    hollars = wrapper.Law2_ScGeom_HollarsPhys_Hollars(**law)
+    speed = fastest() if speed is None else values.positive("engines: speed", speed, "m/s")
+    O.dt = timeStep(cable, speed, hollars)
     return [
         wrapper.ForceResetter(),
         wrapper.InsertionSortCollider(
@@ -85,7 +90,7 @@ def engines(
                 wrapper.Ip2_FrictMat_FrictMat_FrictPhys(),
             ],
             [
-                wrapper.Law2_ScGeom_HollarsPhys_Hollars(**law),
+                hollars,
                 wrapper.Law2_CableGeom_HollarsPhys_Hollars(),
                 wrapper.Law2_ScGeom_FrictPhys_CundallStrack(),
             ],
@@ -122,19 +127,40 @@ def sweepLength(structure):
     return max(structure.radius, 0.125 * min(structure._layout.length))
 
 
-def timeStep(engines=None):
-    """The step for O.dt [s]: what the cables allow, in the sub-steps they are told to take. Their
-    contacts take sub-steps of their own inside it.
+def fastest():
+    """Highest speed of bodies and cables in the scene, at least 1 m/s."""
+    speeds = [1.0] + [b.state.vel.norm() for b in O.bodies]
+    for engine in cableEngines():
+        v = np.array(engine.velocity).reshape(3, -1)[:, : engine.nNodes]
+        speeds.append(float(np.sqrt((v**2).sum(axis=0).max(initial=0))))
+    return max(speeds)
 
-    engines: CableEngines, None: all in O.engines.
+
+def timeStep(engines=None, speed=None, law=None):
+    """The step for O.dt [s]: what the cables allow, in the sub-steps they are told to take, and what
+    contacts of HollarsMat between other bodies allow that meet at a speed [m/s]. Contacts of cables
+    take sub-steps of their own inside it.
+
+    engines: CableEngines, None: all in O.engines. law: a Law2_ScGeom_HollarsPhys_Hollars, None: that
+    in O.engines.
     """
     engines = cableEngines() if engines is None else engines
-    steps = []
+    speed = fastest() if speed is None else values.positive("timeStep: speed", speed, "m/s")
+    steps = [(law or _hollarsLaw()).contactTimeStep(speed)]
     for engine in engines:
         divides = engine.integrator == "leapfrog" and not engine.coupled
         inside = max(1, engine.substeps) if divides else 1
         steps.append(inside * engine.criticalTimeStep())
     return min(steps)
+
+
+def _hollarsLaw():
+    """The law of contacts between bodies in O.engines, or as it is by default."""
+    for place in _place("InteractionLoop"):
+        for functor in O.engines[place].lawDispatcher.functors:
+            if isinstance(functor, wrapper.Law2_ScGeom_HollarsPhys_Hollars):
+                return functor
+    return wrapper.Law2_ScGeom_HollarsPhys_Hollars()
 
 
 # ---- checks --------------------------------------------------------------------------------------
