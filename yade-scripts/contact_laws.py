@@ -125,8 +125,6 @@ def drawnBox(mu, speeds):
     def again():  # the cable's inner points would give way
         cable.engine.position = state
         cable.engine.velocity = [0.0] * len(state)
-        for number, point in zip(cable.bodies, cable.engine.pointXi):
-            O.bodies[number].state.pos = cable.point(point)
 
     O.dt = 1e-11  # so that the cable has no time to follow the box
     return drawn(box, speeds, again)

@@ -1,4 +1,5 @@
 #include "ancf/boxes.h"
+#include "internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,23 +13,36 @@ struct ancf_boxes {
     const ancf_cover* cover;
     int n;
     double ahead;
+    double thickest;   // radius [m]
     double* room;      // (n) [m]
     double* reference; // (3 x stride) state in which the boxes were set
-    double* moved;     // (n_dof) how far nodes, and slopes over a third of their elements, are from it
-    ancf_box* box;     // (n)
+    double* from;      // (3 x stride) state from which pairs are followed
+    double* rest;      // (3 x stride) zero
+    double* rate;      // (n_dof) speeds against the mean of the nodes, as control points move [m/s]
+    ancf_look* look;   // (n)
+    long* looked;      // (n) number of the step in which it was made
+    long looks;
+    double* lever;   // (n_dof) by how much an unknown moves a control point of the curve [-], [m]
+    double* strayed; // (n_dof) from there against the mean of the nodes, as control points move [m]
+    double* moved;   // (n_dof) the same, straight from there [m]
+    ancf_box* box;   // (n)
     struct start {
         double low;
         int element;
-    } * order;       // (n) by lower ends along x
-    ancf_look* look; // (n)
-    int n_looked;    // elements that may meet another
-    int* looked;     // (n) which
-    bool* listed;    // (n)
-    bool fresh;      // the boxes were set since the last look
-    double mean[3];  // of the nodes, then [m]
+    } * order;      // (n) by lower ends along x
+    double mean[3]; // of the nodes then [m]
     int n_meetings, room_meetings;
     ancf_meeting* meeting;
+    ancf_meeting* spare; // those of before, whose room the next ones take
+    int room_spare;
 };
+
+// A slope moves its control point by a third of the element's length; those of springs move nothing.
+static double lever(const ancf_model* m, int dof) {
+    if (dof < m->n_nodes) return 1.0;
+    const ancf_element* e = &m->element[(dof - m->n_nodes) % m->n_elements];
+    return e->kind & ANCF_SPRING ? 0.0 : e->length / 3.0;
+}
 
 ancf_error ancf_boxes_create(ancf_boxes** boxes, const ancf_model* m, const ancf_cover* cover) {
     ancf_boxes* b = *boxes = calloc(1, sizeof *b);
@@ -38,17 +52,24 @@ ancf_error ancf_boxes_create(ancf_boxes** boxes, const ancf_model* m, const ancf
     b->n = m->n_elements;
     b->room = calloc(n, sizeof *b->room);
     b->reference = calloc(3 * (size_t)m->stride, sizeof *b->reference);
+    b->lever = calloc((size_t)m->n_dof, sizeof *b->lever);
+    b->strayed = calloc((size_t)m->n_dof, sizeof *b->strayed);
     b->moved = calloc((size_t)m->n_dof, sizeof *b->moved);
-    b->box = calloc(n, sizeof *b->box);
-    b->order = calloc(n, sizeof *b->order);
+    b->rest = calloc(3 * (size_t)m->stride, sizeof *b->rest);
+    b->rate = calloc((size_t)m->n_dof, sizeof *b->rate);
     b->look = calloc(n, sizeof *b->look);
     b->looked = calloc(n, sizeof *b->looked);
-    b->listed = calloc(n, sizeof *b->listed);
-    if (!b->room || !b->reference || !b->moved || !b->box || !b->order || !b->look || !b->looked || !b->listed) {
+    b->from = calloc(3 * (size_t)m->stride, sizeof *b->from);
+    b->box = calloc(n, sizeof *b->box);
+    b->order = calloc(n, sizeof *b->order);
+    if (!b->room || !b->reference || !b->from || !b->rest || !b->rate || !b->look || !b->looked || !b->lever ||
+        !b->strayed || !b->moved || !b->box || !b->order) {
         ancf_boxes_destroy(b);
         *boxes = NULL;
         return ANCF_E_MEMORY;
     }
+    for (int i = 0; i < m->n_dof; ++i) b->lever[i] = lever(m, i);
+    for (int e = 0; e < b->n; ++e) b->thickest = higher(b->thickest, cover[e].radius);
     return ANCF_OK;
 }
 
@@ -56,38 +77,37 @@ void ancf_boxes_destroy(ancf_boxes* b) {
     if (!b) return;
     free(b->room);
     free(b->reference);
+    free(b->lever);
+    free(b->strayed);
+    free(b->from);
+    free(b->rest);
+    free(b->rate);
+    free(b->look);
+    free(b->looked);
     free(b->moved);
     free(b->box);
     free(b->order);
-    free(b->look);
-    free(b->looked);
-    free(b->listed);
     free(b->meeting);
+    free(b->spare);
     free(b);
 }
 
-// By how much an unknown moves the curve: a slope moves its control point by a third of the length.
-static double lever(const ancf_model* m, int dof) {
-    return dof < m->n_nodes ? 1.0 : m->element[(dof - m->n_nodes) % m->n_elements].length / 3.0;
-}
-
-// Largest component of a difference of fields at an unknown, as a way of the curve.
-static double way(const ancf_model* m, const double* a, const double* b, int dof) {
-    double largest = 0.0;
-    for (int c = 0; c < 3; ++c) {
-        const int i = c * m->stride + dof;
-        largest = higher(largest, fabs(a[i] - (b ? b[i] : 0.0)));
-    }
-    return largest * lever(m, dof);
-}
-
-// A control point moves by its node's way, and its slope's besides.
-static double element_way(const ancf_model* m, const double* a, const double* b, int e) {
+// Sum of what moves an element's control points, the larger of its ends; field: (n_dof).
+static double larger_end(const ancf_model* m, const double* field, int e) {
     int dof[4];
     ancf_model_dofs(dof, m, e);
-    const double start = way(m, a, b, dof[0]), end = way(m, a, b, dof[2]);
-    if (m->element[e].kind & ANCF_SPRING) return higher(start, end);
-    return higher(start + way(m, a, b, dof[1]), end + way(m, a, b, dof[3]));
+    return higher(field[dof[0]] + field[dof[1]], field[dof[2]] + field[dof[3]]);
+}
+
+// Largest component of a difference of fields at every unknown, as a way of control points.
+ANCF_CLONES static void largest_ways(double* way, const double* a, const double* b, const double* lever, int n,
+                                     int stride) {
+    for (int i = 0; i < n; ++i) {
+        const double x = fabs(a[i] - b[i]), y = fabs(a[stride + i] - b[stride + i]),
+                     z = fabs(a[2 * stride + i] - b[2 * stride + i]);
+        const double xy = x > y ? x : y;
+        way[i] = lever[i] * (xy > z ? xy : z);
+    }
 }
 
 double ancf_boxes_fastest(const ancf_model* m) {
@@ -96,12 +116,11 @@ double ancf_boxes_fastest(const ancf_model* m) {
         int dof[4];
         ancf_model_dofs(dof, m, e);
         for (int k = 0; k < 4; k += 2) {
+            const double third = lever(m, dof[k + 1]);
             double sum = 0.0;
             for (int c = 0; c < 3; ++c) {
                 const double* v = m->v + c * m->stride;
-                const double slope =
-                    m->element[e].kind & ANCF_SPRING ? 0.0 : lever(m, dof[k + 1]) * fabs(v[dof[k + 1]]);
-                const double total = fabs(v[dof[k]]) + slope;
+                const double total = fabs(v[dof[k]]) + third * fabs(v[dof[k + 1]]);
                 sum += total * total;
             }
             square = higher(square, sum);
@@ -112,8 +131,9 @@ double ancf_boxes_fastest(const ancf_model* m) {
 
 void ancf_boxes_plan(ancf_boxes* b, const ancf_model* m, double step, int steps, double ahead) {
     b->ahead = ahead;
+    largest_ways(b->moved, m->v, b->rest, b->lever, m->n_dof, m->stride);
     for (int e = 0; e < b->n; ++e)
-        b->room[e] = higher(0.25 * b->cover[e].radius, steps * step * element_way(m, m->v, NULL, e));
+        b->room[e] = higher(0.25 * b->cover[e].radius, steps * step * larger_end(m, b->moved, e));
 }
 
 // Box around the control points, and so around the curve.
@@ -131,23 +151,6 @@ void ancf_boxes_of(ancf_box* box, const ancf_boxes* b, const ancf_model* m, int 
     hull(box, &cubic, b->cover[element].radius + b->room[element] + b->ahead);
 }
 
-// Control points of the rates of an element, as those of the element itself.
-static void rates(double rate[4][3], const ancf_model* m, int element) {
-    ancf_cubic cubic;
-    ancf_cover_cubic(&cubic, m, m->v, element);
-    memcpy(rate, cubic.control, sizeof cubic.control);
-}
-
-static double largest_norm(double a[4][3], const double mean[3]) {
-    double square = 0.0;
-    for (int k = 0; k < 4; ++k) {
-        double sum = 0.0;
-        for (int c = 0; c < 3; ++c) sum += (a[k][c] - mean[c]) * (a[k][c] - mean[c]);
-        square = higher(square, sum);
-    }
-    return sqrt(square);
-}
-
 static void mean_of_nodes(double mean[3], const ancf_model* m, const double* field) {
     for (int c = 0; c < 3; ++c) {
         double sum = 0.0;
@@ -156,32 +159,62 @@ static void mean_of_nodes(double mean[3], const ancf_model* m, const double* fie
     }
 }
 
-const ancf_look* ancf_boxes_look(ancf_boxes* b, const ancf_model* m, double ahead) {
-    double drift[3], place[3], moved[3];
+// Distance of every unknown from a reference that goes with the mean of the nodes.
+ANCF_CLONES static void distances(double* distance, const double* x, const double* reference, const double* lever,
+                                  const double moved[3], int n_nodes, int n_dof, int stride) {
+    for (int i = 0; i < n_dof; ++i) {
+        const double own = i < n_nodes ? 1.0 : 0.0;
+        const double a = x[i] - reference[i] - own * moved[0],
+                     b = x[stride + i] - reference[stride + i] - own * moved[1],
+                     c = x[2 * stride + i] - reference[2 * stride + i] - own * moved[2];
+        distance[i] = lever[i] * sqrt(a * a + b * b + c * c);
+    }
+}
+
+static double stray(ancf_boxes* b, const ancf_model* m) {
+    double moved[3], farthest = 0.0;
+    mean_of_nodes(moved, m, m->x);
+    for (int c = 0; c < 3; ++c) moved[c] -= b->mean[c];
+    distances(b->strayed, m->x, b->from, b->lever, moved, m->n_nodes, m->n_dof, m->stride);
+    for (int i = 0; i < m->n_dof; ++i) farthest = higher(farthest, b->strayed[i]);
+    return farthest;
+}
+
+// Pairs are followed from now: they may have come nearer by what both have strayed, then and since.
+static void follow_from_here(ancf_boxes* b, const ancf_model* m) {
+    for (int k = 0; k < b->n_meetings; ++k) {
+        ancf_meeting* pair = &b->meeting[k];
+        pair->gap -= pair->strayed + ancf_boxes_strayed(b, m, pair->first) + ancf_boxes_strayed(b, m, pair->second);
+        pair->strayed = 0.0;
+    }
+    memcpy(b->from, m->x, 3 * (size_t)m->stride * sizeof *m->x);
+    mean_of_nodes(b->mean, m, m->x);
+    memset(b->strayed, 0, (size_t)m->n_dof * sizeof *b->strayed);
+}
+
+void ancf_boxes_follow(ancf_boxes* b, const ancf_model* m) {
+    if (stray(b, m) > b->thickest) follow_from_here(b, m);
+    double drift[3];
     mean_of_nodes(drift, m, m->v);
-    mean_of_nodes(place, m, m->x);
-    for (int c = 0; c < 3; ++c) {
-        place[c] += ahead * drift[c];
-        moved[c] = place[c] - b->mean[c];
-        b->mean[c] = place[c];
-    }
-    for (int i = 0; i < b->n_looked; ++i) {
-        const int e = b->looked[i];
-        ancf_look* look = &b->look[e];
-        double rate[4][3];
-        const ancf_cubic before = look->cubic;
-        ancf_cover_cubic(&look->cubic, m, m->x, e);
-        rates(rate, m, e);
-        for (int k = 0; k < 4; ++k)
-            for (int c = 0; c < 3; ++c) look->cubic.control[k][c] += ahead * rate[k][c];
-        hull(&look->box, &look->cubic, b->cover[e].radius);
-        look->speed = largest_norm(rate, drift);
-        for (int k = 0; k < 4; ++k)
-            for (int c = 0; c < 3; ++c) rate[k][c] = look->cubic.control[k][c] - before.control[k][c];
-        look->travel = b->fresh ? 0.0 : look->travel + largest_norm(rate, moved);
-    }
-    b->fresh = false;
-    return b->look;
+    distances(b->rate, m->v, b->rest, b->lever, drift, m->n_nodes, m->n_dof, m->stride);
+    ++b->looks;
+}
+
+double ancf_boxes_speed(const ancf_boxes* b, const ancf_model* m, int element) {
+    return larger_end(m, b->rate, element);
+}
+
+double ancf_boxes_strayed(const ancf_boxes* b, const ancf_model* m, int element) {
+    return larger_end(m, b->strayed, element);
+}
+
+const ancf_look* ancf_boxes_look(ancf_boxes* b, const ancf_model* m, int element, double ahead) {
+    ancf_look* look = &b->look[element];
+    if (b->looked[element] == b->looks) return look;
+    b->looked[element] = b->looks;
+    ancf_cover_ahead(&look->cubic, m, element, ahead);
+    hull(&look->box, &look->cubic, b->cover[element].radius);
+    return look;
 }
 
 static bool adjacent(const ancf_model* m, int a, int b) {
@@ -226,15 +259,25 @@ static int by_start(const void* a, const void* b) {
                             : (p->element > q->element) - (p->element < q->element);
 }
 
-static void list_looked(ancf_boxes* b) {
-    memset(b->listed, 0, (size_t)b->n * sizeof *b->listed);
-    for (int i = 0; i < b->n_meetings; ++i) b->listed[b->meeting[i].first] = b->listed[b->meeting[i].second] = true;
-    b->n_looked = 0;
-    for (int e = 0; e < b->n; ++e)
-        if (b->listed[e]) b->looked[b->n_looked++] = e;
+static void find_meetings_of(ancf_boxes* b, const ancf_model* m, int i, int n, bool* enough) {
+    const int e = b->order[i].element;
+    for (int j = i + 1; j < n && b->order[j].low <= b->box[e].high[0]; ++j) {
+        const int f = b->order[j].element;
+        if (overlap(&b->box[e], &b->box[f]) && may_meet(b, m, e, f) && !add_meeting(b, e, f)) *enough = false;
+    }
+}
+
+// What was known of the old pairs, (n_old) sorted, still holds for those that are pairs again.
+static void inherit(ancf_boxes* b, const ancf_meeting* old, int n_old) {
+    for (int i = 0, k = 0; i < b->n_meetings; ++i) {
+        while (k < n_old && by_elements(&old[k], &b->meeting[i]) < 0) ++k;
+        if (k < n_old && by_elements(&old[k], &b->meeting[i]) == 0) b->meeting[i].gap = old[k].gap;
+    }
 }
 
 int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
+    if (b->n_meetings) stray(b, m);
+    follow_from_here(b, m);
     memcpy(b->reference, m->x, 3 * (size_t)m->stride * sizeof *m->x);
     int n = 0;
     for (int e = 0; e < b->n; ++e) {
@@ -243,27 +286,28 @@ int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
         b->order[n++] = (struct start) {b->box[e].low[0], e};
     }
     qsort(b->order, (size_t)n, sizeof *b->order, by_start);
+    ancf_meeting* const old = b->meeting;
+    const int n_old = b->n_meetings;
+    b->meeting = b->spare;
+    const int room = b->room_meetings;
+    b->room_meetings = b->room_spare;
     b->n_meetings = 0;
-    b->fresh = true;
-    for (int i = 0; i < n; ++i) {
-        const int e = b->order[i].element;
-        for (int j = i + 1; j < n && b->order[j].low <= b->box[e].high[0]; ++j) {
-            const int f = b->order[j].element;
-            if (overlap(&b->box[e], &b->box[f]) && may_meet(b, m, e, f) && !add_meeting(b, e, f)) return -1;
-        }
-    }
-    qsort(b->meeting, (size_t)b->n_meetings, sizeof *b->meeting, by_elements);
-    list_looked(b);
-    return b->n_meetings;
+    bool enough = true;
+    for (int i = 0; i < n && enough; ++i) find_meetings_of(b, m, i, n, &enough);
+    if (b->n_meetings) qsort(b->meeting, (size_t)b->n_meetings, sizeof *b->meeting, by_elements);
+    inherit(b, old, n_old);
+    b->spare = old;
+    b->room_spare = room;
+    return enough ? b->n_meetings : -1;
 }
 
 bool ancf_boxes_hold(const ancf_boxes* b, const ancf_model* m) {
-    for (int i = 0; i < m->n_dof; ++i) b->moved[i] = way(m, m->x, b->reference, i);
+    largest_ways(b->moved, m->x, b->reference, b->lever, m->n_dof, m->stride);
     const double *start = b->moved + m->n_nodes, *end = start + m->n_elements;
     bool hold = true;
     for (int e = 0; e < b->n; ++e) {
         const double *node = b->moved, *room = b->room;
-        hold = hold && node[m->ends[2 * e]] + start[e] <= room[e] && node[m->ends[2 * e + 1]] + end[e] <= room[e];
+        hold &= node[m->ends[2 * e]] + start[e] <= room[e] && node[m->ends[2 * e + 1]] + end[e] <= room[e];
     }
     return hold;
 }

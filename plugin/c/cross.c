@@ -5,13 +5,14 @@
 
 enum { SEGMENTS_MAX = 64 }; // of an element
 
+// So many times their thickness beyond what is looked for in a step, pairs are told apart.
+static const double beyond = 0.5;
+
 // Along one run, places nearer than this many radii never touch: however strongly a cable bends, it does not kick.
 static const double neighbourhood = 4.0;
 
-static const double steps_ahead = 1.5;   // what they may do in this many steps is looked for,
-static const double margin_ahead = 0.02; // and this part of the smaller radius besides
-
-static const double beyond = 4.0; // so many radii: pairs farther apart are left alone until they have travelled that
+static const double steps_ahead = 0.75;  // what they may do in this many steps from the middle of one is looked for,
+static const double margin_ahead = 0.05; // and this part of the smaller radius besides
 
 static bool neighbours(const ancf_cover* p, double xi, double length1, const ancf_cover* q, double eta,
                        double length2) {
@@ -34,50 +35,64 @@ static void recall(double friction[3], const int key[3], const ancf_memory** las
     for (int i = 0; i < 3; i++) friction[i] = found ? (*last)->friction[i] : 0.0;
 }
 
-static bool apart(const ancf_box* p, const ancf_box* q, double reach) {
-    for (int c = 0; c < 3; ++c)
-        if (p->low[c] > q->high[c] + reach || q->low[c] > p->high[c] + reach) return true;
-    return false;
+// How near a pair has to be to be looked at in a step [m].
+static double reach_of(const ancf_cover* p, const ancf_cover* q, double step, double speed) {
+    return steps_ahead * step * speed + margin_ahead * (p->radius < q->radius ? p->radius : q->radius);
 }
 
-// Places of a pair nearer than `reach`. A pair is looked at again only when it can have come so near since.
-static int find(ancf_nearest_pair* found, ancf_meeting* pair, const ancf_look* p, const ancf_look* q,
-                const ancf_cover* cover_p, const ancf_cover* cover_q, double reach) {
-    const double travel = p->travel + q->travel, radius = cover_p->radius + cover_q->radius;
-    if (pair->gap - (travel - pair->travel) > reach) return 0;
-    const double far = reach + beyond * radius;
-    const int n = apart(&p->box, &q->box, far) ? 0
-                                               : ancf_nearest_cubic(found, &p->cubic, cover_p->segments,
-                                                                    cover_p->radius, &q->cubic, cover_q->radius, far);
+// Distance of two boxes along the axis on which they are farthest apart [m], < 0 if they overlap.
+static double between(const ancf_box* p, const ancf_box* q) {
+    double most = -INFINITY;
+    for (int c = 0; c < 3; ++c) {
+        const double a = p->low[c] - q->high[c], b = q->low[c] - p->high[c], gap = a > b ? a : b;
+        most = gap > most ? gap : most;
+    }
+    return most;
+}
+
+// Places of a pair nearer than `reach`; remembers how near it was. What is near but not so near is looked for as well,
+// so that the pair can rest until it may have come nearer.
+static int find(ancf_nearest_pair* found, ancf_meeting* pair, double reach, ancf_boxes* boxes, const ancf_cover* p,
+                const ancf_cover* q, const ancf_model* m, double ahead) {
+    const ancf_look *a = ancf_boxes_look(boxes, m, pair->first, ahead),
+                    *b = ancf_boxes_look(boxes, m, pair->second, ahead);
+    const double thick = p->radius + q->radius, far = reach + beyond * thick;
+    pair->gap = between(&a->box, &b->box);
+    if (pair->gap > far) return 0;
+    pair->gap = ancf_cubic_clearance(&a->cubic, &b->cubic) - thick;
+    if (pair->gap > far) return 0;
+    const int n = ancf_nearest_cubic(found, &a->cubic, p->segments, p->radius, &b->cubic, q->radius, far);
     int near = 0;
     pair->gap = far;
-    pair->travel = travel;
     for (int i = 0; i < n; ++i) {
-        pair->gap = fmin(pair->gap, found[i].gap);
+        pair->gap = found[i].gap < pair->gap ? found[i].gap : pair->gap;
         if (found[i].gap < reach) found[near++] = found[i];
     }
     return near;
 }
 
-// A place's contact: the two sides, and how stiff it is where segments or elements share it.
-static bool add_contact(ancf_table* table, const ancf_nearest_pair* at, const ancf_meeting* pair,
-                        const ancf_cover* cover, const ancf_model* m, const ancf_laws* law, const ancf_memory** last,
-                        const ancf_memory* end, double ahead) {
+// A place's contact: the two sides, and how stiff it is where segments or elements share it. Left out where it does not
+// come near enough at the velocities of now.
+static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const ancf_meeting* pair,
+                       const ancf_cover* cover, const ancf_model* m, const ancf_laws* law, const ancf_memory** last,
+                       const ancf_memory* end, double step) {
     const int e[2] = {pair->first, pair->second};
-    ancf_contact c = {.key = {e[0], e[1], at->segment}, .gap = at->gap, .law = law->normal, .rub = law->rub};
+    double v[2][3], opening = 0.0;
+    for (int s = 0; s < 2; ++s) ancf_model_at(v[s], m, m->v, e[s], at->xi[s]);
+    for (int i = 0; i < 3; i++) opening += at->normal[i] * (v[0][i] - v[1][i]);
+    if (at->gap > reach_of(&cover[e[0]], &cover[e[1]], step, opening < 0.0 ? -opening : 0.0)) return 0;
+    ancf_contact c = {.key = {e[0], e[1], at->segment}, .law = law->normal, .rub = law->rub};
+    c.gap = at->gap - 0.5 * step * opening; // from the middle of the step to its start
     ancf_cover whole = cover[e[1]];
     whole.segments = 1;
     c.law.stiffness *= ancf_cover_share(&cover[e[0]], at->segment, at->xi[0]) * ancf_cover_share(&whole, 0, at->xi[1]);
     for (int s = 0; s < 2; ++s) {
         c.side[s] = (ancf_side) {.place = ancf_table_add_place(table, m, e[s], at->xi[s]), .body = -1};
-        if (c.side[s].place < 0) return false;
+        if (c.side[s].place < 0) return -1;
     }
     memcpy(c.normal, at->normal, sizeof c.normal);
-    double v[2][3];
-    for (int s = 0; s < 2; ++s) ancf_model_at(v[s], m, m->v, e[s], at->xi[s]);
-    for (int i = 0; i < 3; i++) c.gap -= ahead * c.normal[i] * (v[0][i] - v[1][i]); // from the middle to the start
     recall(c.friction, c.key, last, end);
-    return ancf_table_add_contact(table, &c) >= 0;
+    return ancf_table_add_contact(table, &c) < 0 ? -1 : 1;
 }
 
 int ancf_cross_add(ancf_table* table, ancf_boxes* boxes, const ancf_cover* cover, const ancf_model* m,
@@ -87,19 +102,22 @@ int ancf_cross_add(ancf_table* table, ancf_boxes* boxes, const ancf_cover* cover
     int n, added = 0;
     ancf_meeting* meeting = ancf_boxes_meetings(boxes, &n);
     if (n == 0) return 0;
-    const ancf_look* look = ancf_boxes_look(boxes, m, 0.5 * step);
+    ancf_boxes_follow(boxes, m);
     for (int k = 0; k < n; ++k) {
-        const int e = meeting[k].first, f = meeting[k].second;
+        ancf_meeting* pair = &meeting[k];
+        const int e = pair->first, f = pair->second;
         const ancf_cover *p = &cover[e], *q = &cover[f];
-        const double reach = steps_ahead * step * (look[e].speed + look[f].speed) +
-                             margin_ahead * (p->radius < q->radius ? p->radius : q->radius);
-        const int near = find(found, &meeting[k], &look[e], &look[f], p, q, reach);
+        const double reach = reach_of(p, q, step, ancf_boxes_speed(boxes, m, e) + ancf_boxes_speed(boxes, m, f));
+        const double strayed = ancf_boxes_strayed(boxes, m, e) + ancf_boxes_strayed(boxes, m, f);
+        if (pair->gap - (strayed + pair->strayed) > reach) continue;
+        pair->strayed = strayed;
+        const int near = find(found, pair, reach, boxes, p, q, m, 0.5 * step);
         for (int i = 0; i < near; ++i) {
             if (neighbours(p, found[i].xi[0], m->element[e].length, q, found[i].xi[1], m->element[f].length)) continue;
-            if (!add_contact(table, &found[i], &meeting[k], cover, m, &laws[p->kind * kinds + q->kind], &last, end,
-                             0.5 * step))
-                return -1;
-            ++added;
+            const int one =
+                add_contact(table, &found[i], pair, cover, m, &laws[p->kind * kinds + q->kind], &last, end, step);
+            if (one < 0) return -1;
+            added += one;
         }
     }
     return added;

@@ -17,7 +17,7 @@ namespace yade {
 
 namespace {
     constexpr int substepsMost = 5000; // of contacts in a step
-    constexpr int restingSteps = 50;   // that an element should be able to move before it leaves its box
+    constexpr int restingSteps = 100;  // that an element should be able to move before it leaves its box
     constexpr Real stepsAhead = 2.5;   // more than what the functors look for, as speeds grow until boxes are new
     constexpr Real marginAhead = .05;  // and this part of the radius besides
 
@@ -361,8 +361,13 @@ void CableContacts::giveBodies(const CableEngine& cable) const {
         const Vector3r turn = vectorOf(b.turn) - s.dt * (vectorOf(b.spin) - entries[i].spinBefore);
         if (!driven && turn != Vector3r::Zero()) body.state->ori = turned(turn) * body.state->ori;
         const bool carried = entries[i].carrier >= 0; // what moves it, its knot takes
-        addExactly(s, body, body, carried ? Vector3r(Vector3r::Zero()) : Vector3r(impulse / s.dt), twist / s.dt);
+        const Left left =
+            addExactly(s, body, body, carried ? Vector3r(Vector3r::Zero()) : Vector3r(impulse / s.dt), twist / s.dt);
+        if (!driven && !body.isAspherical()) // what rounding left, so that momentum is kept to the last bit
+            for (int c = 0; c < 3; ++c) body.state->angVel[c] += s.dt * b.inv_inertia[4 * c] * left.torque[c];
         if (carried) continue;
+        if (!driven)
+            for (int c = 0; c < 3; ++c) body.state->vel[c] += s.dt * b.inv_mass[c] * left.force[c];
         body.state->pos += vectorOf(b.shift) - s.dt * (vectorOf(b.velocity) - entries[i].before);
     }
 }

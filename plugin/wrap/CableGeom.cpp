@@ -17,8 +17,8 @@ YADE_PLUGIN((Ig2_Sphere_CarriedSphere_CableGeom)(Ig2_Box_CarriedSphere_CableGeom
 YADE_PLUGIN((Ig2_Wall_CarriedSphere_CableGeom)(Ig2_Sheave_CarriedSphere_CableGeom))
 
 namespace {
-    constexpr Real stepsAhead = 1.5;  // what two bodies may do in this many steps is looked for
-    constexpr Real marginAhead = .02; // and this part of the cable's or sphere's radius besides
+    constexpr Real stepsAhead = .75;  // what two may do in this many steps from the middle of one is looked for
+    constexpr Real marginAhead = .05; // and this part of the cable's or sphere's radius besides
 
     Vector3r vectorOf(const double* p) { return Vector3r(p[0], p[1], p[2]); }
 
@@ -115,6 +115,11 @@ namespace {
         return true;
     }
 
+    // Pairs that never touch and do not now are left at once.
+    bool passes(const Shape& shape2, const Interaction& contact) {
+        return !contact.geom && static_cast<const CableElement&>(shape2).excludes(contact.getId1());
+    }
+
     bool nearCable(const Scene& scene, const ancf_solid& solid, const State& state, Real radius, const Shape& shape2,
                    const shared_ptr<Interaction>& contact) {
         constexpr int most = 65;
@@ -177,6 +182,7 @@ void CableGeom::set(const ancf_nearest* found, int n) {
     bool Ig2_##Kind##_CableElement_CableGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,     \
                                                  const State& state1, const State&, const Vector3r&, const bool&,      \
                                                  const shared_ptr<Interaction>& contact) {                             \
+        if (passes(*shape2, *contact)) return false;                                                                   \
         const auto& first = static_cast<const Kind&>(*shape1);                                                         \
         return nearCable(*scene, solidOf(first, poseAhead(state1, scene->dt / 2)), state1, radius, *shape2, contact);  \
     }

@@ -150,8 +150,7 @@ void CableEngine::action() {
     model->track = scene->trackEnergy;
     const ancf_time time = timeOfStep();
     checkStep(time);
-    for (const auto& engine : scene->engines)
-        if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get())) gravity = newton->gravity;
+    if (const NewtonIntegrator* newton = newtonOf(*scene)) gravity = newton->gravity;
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
 
     eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "Drive.hpp"
 
+#include <pkg/dem/NewtonIntegrator.hpp>
+
 #include <boost/weak_ptr.hpp>
 
 #include <algorithm>
@@ -8,19 +10,32 @@
 
 namespace yade {
 
-const vector<DriveEngine>& drivesOf(const Scene& scene) {
-    thread_local vector<boost::weak_ptr<Engine>> seen; // weak: an engine's address may be used again
-    thread_local vector<DriveEngine> found;
-    const auto same = [](const boost::weak_ptr<Engine>& a, const shared_ptr<Engine>& b) {
-        return !a.owner_before(b) && !b.owner_before(a);
+namespace {
+    struct Known {
+        vector<DriveEngine> drives;
+        const NewtonIntegrator* newton = nullptr;
     };
-    if (std::equal(seen.begin(), seen.end(), scene.engines.begin(), scene.engines.end(), same)) return found;
-    seen.assign(scene.engines.begin(), scene.engines.end());
-    found.clear();
-    for (const auto& engine : scene.engines)
-        if (auto* drive = dynamic_cast<Drive*>(engine.get())) found.push_back({engine.get(), drive});
-    return found;
-}
+
+    const Known& knownOf(const Scene& scene) {
+        thread_local vector<boost::weak_ptr<Engine>> seen; // weak: an engine's address may be used again
+        thread_local Known found;
+        const auto same = [](const boost::weak_ptr<Engine>& a, const shared_ptr<Engine>& b) {
+            return !a.owner_before(b) && !b.owner_before(a);
+        };
+        if (std::equal(seen.begin(), seen.end(), scene.engines.begin(), scene.engines.end(), same)) return found;
+        seen.assign(scene.engines.begin(), scene.engines.end());
+        found = Known();
+        for (const auto& engine : scene.engines) {
+            if (auto* drive = dynamic_cast<Drive*>(engine.get())) found.drives.push_back({engine.get(), drive});
+            if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get())) found.newton = newton;
+        }
+        return found;
+    }
+} // namespace
+
+const vector<DriveEngine>& drivesOf(const Scene& scene) { return knownOf(scene).drives; }
+
+const NewtonIntegrator* newtonOf(const Scene& scene) { return knownOf(scene).newton; }
 
 Schedules::~Schedules() {
     if (functions.empty() || !Py_IsInitialized()) return;

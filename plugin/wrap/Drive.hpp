@@ -12,6 +12,8 @@
 
 namespace yade {
 
+class NewtonIntegrator;
+
 class Drive {
 public:
     virtual ~Drive() = default;
@@ -39,6 +41,9 @@ struct DriveEngine {
 
 // Those of a scene. Remembered for as long as its engines stay the same: asked many times a step.
 const vector<DriveEngine>& drivesOf(const Scene& scene);
+
+// Its last NewtonIntegrator, or null; remembered likewise.
+const NewtonIntegrator* newtonOf(const Scene& scene);
 
 template <class F> void eachDrive(const Scene& scene, F f) {
     for (const DriveEngine& each : drivesOf(scene))

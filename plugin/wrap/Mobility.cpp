@@ -60,11 +60,13 @@ namespace {
     }
 } // namespace
 
-void addExactly(Scene& scene, const Body& body, const Body& moved, const Vector3r& force, const Vector3r& torque) {
+Left addExactly(Scene& scene, const Body& body, const Body& moved, const Vector3r& force, const Vector3r& torque) {
     const State& state = *moved.state;
     const Real inertia = state.inertia.maxCoeff(), square = scene.dt * scene.dt;
-    scene.forces.addForce(body.id, rounded(force, std::sqrt(state.mass * inertia) / square));
-    scene.forces.addTorque(body.id, rounded(torque, inertia / square));
+    const Vector3r f = rounded(force, std::sqrt(state.mass * inertia) / square), t = rounded(torque, inertia / square);
+    scene.forces.addForce(body.id, f);
+    scene.forces.addTorque(body.id, t);
+    return {force - f, torque - t};
 }
 
 } // namespace yade

@@ -26,8 +26,13 @@ def capture():
 
 
 def state(net):
-    """Everything that moves, as text without rounding."""
-    bodies = [(list(b.state.pos), list(b.state.vel), list(b.state.ori)) for b in O.bodies]
+    """Everything that moves, as text without rounding. The bodies of elements do not: they stand where
+    their cable was when the collider last ran, which it does after each O.load.
+    """
+    moving = [b for b in O.bodies if not isinstance(b.shape, ancf.CableElement)]
+    bodies = [
+        [list(v) for v in (b.state.pos, b.state.vel, b.state.ori, b.state.angVel)] for b in moving
+    ]
     return repr((O.iter, O.time, list(net.engine.position), list(net.engine.velocity), bodies))
 
 

@@ -14,7 +14,7 @@ typedef struct {
 typedef struct {
     int first, second; // first < second
     double gap;        // they were no nearer than this [m]
-    double travel;     // when they had travelled this much together [m]
+    double strayed;    // when they had strayed this far together from where they are followed from [m]
 } ancf_meeting;
 
 typedef struct ancf_boxes ancf_boxes;
@@ -39,16 +39,23 @@ bool ancf_boxes_hold(const ancf_boxes* boxes, const ancf_model* m);
 
 ancf_meeting* ancf_boxes_meetings(const ancf_boxes* boxes, int* n);
 
-// An element as it will be.
+// Follows the motion of all, once a step: speeds and ways against the mean of the nodes.
+void ancf_boxes_follow(ancf_boxes* boxes, const ancf_model* m);
+
+// No point of an element moves faster than this [m/s].
+double ancf_boxes_speed(const ancf_boxes* boxes, const ancf_model* m, int element);
+
+// No point of an element is farther than this from where pairs are followed from [m].
+double ancf_boxes_strayed(const ancf_boxes* boxes, const ancf_model* m, int element);
+
+// An element as it will be a time from now.
 typedef struct {
     ancf_cubic cubic;
-    ancf_box box;  // around the cubic, its thickness included
-    double speed;  // no point of it moves faster than this against the mean of all [m/s]
-    double travel; // no point of it has moved by more than this against the mean of all, since the boxes were set [m]
+    ancf_box box; // around the cubic, its thickness included
 } ancf_look;
 
-// Looks at all elements that may meet another, as they will be a time from now; (n_elements), kept until the next call.
-const ancf_look* ancf_boxes_look(ancf_boxes* boxes, const ancf_model* m, double ahead);
+// Made once a step for each element, where it is asked for.
+const ancf_look* ancf_boxes_look(ancf_boxes* boxes, const ancf_model* m, int element, double ahead);
 
 // Largest speed of a node, or of a slope over a third of its element [m/s].
 double ancf_boxes_fastest(const ancf_model* m);
