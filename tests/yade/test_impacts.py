@@ -2,6 +2,8 @@
 
 import math
 import os
+import sys
+import traceback
 
 import numpy as np
 import pytest
@@ -298,7 +300,10 @@ def alone(run):
         try:
             run()
             code = 0
+        except Exception:
+            traceback.print_exc()
         finally:
+            sys.stderr.flush()
             os._exit(code)
     return os.waitpid(child, 0)[1]
 
