@@ -26,6 +26,7 @@ shared_ptr<const CableView> CableEngine::viewOf(const Scene& scene, int family) 
         auto* cables = dynamic_cast<CableEngine*>(engine.get());
         if (!cables || cables->family != family) continue;
         try {
+            cables->scene = const_cast<Scene*>(&scene); // in the first step after loading, it still has the old one
             if (!cables->model) cables->build();
         } catch (const std::exception&) {
             return nullptr; // it tells in its own step

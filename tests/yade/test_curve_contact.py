@@ -80,7 +80,9 @@ def targets(fixed, **options):
     at = np.array([(0, 0.3 * (i % 10), 0.3 * (i // 10)) for i in range(TARGETS)])
     points = np.concatenate([at, at + PARTS * LENGTH * X])
     edges = [(i, i + TARGETS) for i in range(TARGETS)]
-    net = ancf.Net(points, edges, PARTS, diameter=1e-3, material="cable", label="Targets", **options)
+    net = ancf.Net(
+        points, edges, PARTS, diameter=1e-3, material="cable", label="Targets", **options
+    )
     for i in range(0, TARGETS, 2):
         for knot in edges[i] if fixed else ():
             net.fix(knot)
@@ -197,7 +199,9 @@ def shootCables(rng, n=1000, size=0.04, thickness=5e-4, **options):
     )
     O.engines = ancf.engines(net, shot)
     velocity = np.array(net.engine.velocity).reshape(3, -1)
-    velocity[:, shot._first[0] : shot._first[0] + 2 * n] = np.tile((speed[:, None] * direction).T, 2)
+    velocity[:, shot._first[0] : shot._first[0] + 2 * n] = np.tile(
+        (speed[:, None] * direction).T, 2
+    )
     net.engine.velocity = velocity.ravel().tolist()
     reach = net.radius + shot.radius
     sides = Sides(n, reach, 0.35 * reach)
@@ -278,7 +282,9 @@ def test_an_edge_of_a_cube_is_not_cut(scene, elements, oblique):
         least = min(least, fromBox(near, center, [half, 0.5, half]).min(initial=np.inf))
         bent = max(bent, 1 - np.linalg.norm(points[-1] - points[0]) / length)
     moved = np.linalg.norm(array(cable.point(0)) - start)
-    print(f"nearest {least:.3g} m at a radius of {cable.radius:g}, end moved {moved:.3g} m, bent {bent:.2f}, t {O.time:.3f}")
+    print(
+        f"nearest {least:.3g} m at a radius of {cable.radius:g}, end moved {moved:.3g} m, bent {bent:.2f}, t {O.time:.3f}"
+    )
     assert moved > 0.02 and bent > 0.15  # it was pulled, and lay round the edge
     assert least > cable.radius - 0.05 * diameter
 
@@ -370,7 +376,9 @@ def test_two_ropes_pressed_together_are_the_elastica(scene):
         off = np.abs(points - expected).max()
         worst = max(worst, off)
     aside = max(np.abs(low.curve(4)[:, 1]).max(), np.abs(high.curve(4)[:, 0]).max())
-    print(f"O.dt {O.dt:.3g}, {O.iter} steps, force {force:.4f} N, sag {exact.y[1, -1]:.4f}, off {worst:.2e}, aside {aside:.1e}")
+    print(
+        f"O.dt {O.dt:.3g}, {O.iter} steps, force {force:.4f} N, sag {exact.y[1, -1]:.4f}, off {worst:.2e}, aside {aside:.1e}"
+    )
     assert engine.contacts > 0
     assert exact.success and worst < 1e-3 * length
     assert aside < 1e-6 * length
@@ -385,9 +393,7 @@ def test_a_rope_dropped_in_coils_lies_on_itself(scene):
     angle = np.linspace(0, 2 * np.pi * turns, turns * parts + 1)
     z = 0.6 * diameter + pitch * angle / (2 * np.pi)
     points = np.stack([coil * np.cos(angle), coil * np.sin(angle), z], axis=1)
-    rope = ancf.Cable(
-        points, diameter=diameter, material="rope", bending=1e-4, selfContact=True
-    )
+    rope = ancf.Cable(points, diameter=diameter, material="rope", bending=1e-4, selfContact=True)
     O.engines = ancf.engines(rope, gravity=(0, 0, -9.81))
     ancf.check()
     engine, r = rope.engine, rope.radius
