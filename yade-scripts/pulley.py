@@ -27,7 +27,7 @@ DASHPOT = 0.3  # [N s/m]
 DAMPING = 5e-7  # Kelvin-Voigt time of the cable [s]
 VISCOUS, DRY = 0.0, 0.0  # friction of the bearing [N m s], [N m]
 ELEMENT_ANGLE = 15.0  # of the wrap that an element takes [deg]
-POINTS = 2  # contact points inside an element
+POINTS = 2  # joints of its segments inside an element
 SPAN = 0.3  # of the cable on each side [m]
 GRAVITY = 9.81  # [m/s2]
 DURATION = 0.5  # [s]
@@ -130,7 +130,7 @@ def main():
     axes[2].plot(np.degrees(wrap.angle), wrap.normal, ".-", label="normal force")
     axes[2].plot(np.degrees(wrap.angle), wrap.friction, ".-", label="friction")
     axes[2].set_xlabel("along the wrap [deg], at the end")
-    axes[2].set_ylabel("force on a contact point [N]")
+    axes[2].set_ylabel("force on a place of contact [N]")
     for ax in axes:
         ax.legend()
     figure.savefig(folder / "pulley.png", dpi=150)

@@ -88,13 +88,8 @@ def scene(load, profile, theta, elementAngle, points, **p):
 def turn(cable, sheave, speed):
     engine = ancf.SheaveEngine()
     engine.add(sheave, speed=speed)
-    O.engines = pulleys.engines(cable, engine, contact=dict(normal="linear"), substeps=1)
-    if any(O.materials["cable"].normalExponent != n for n in (1.0,)):
-        for engine in O.engines:
-            if hasattr(engine, "lawDispatcher"):
-                for law in engine.lawDispatcher.functors:
-                    if hasattr(law, "normal"):
-                        law.normal = "hertz"
+    normal = "linear" if O.materials["cable"].normalExponent == 1 else "hertz"
+    O.engines = pulleys.engines(cable, engine, contact=dict(normal=normal), substeps=1)
     O.dt = 0.8 * cable.criticalTimeStep()
 
 

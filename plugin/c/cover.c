@@ -25,19 +25,6 @@ void ancf_cover_ahead(ancf_cubic* cubic, const ancf_model* m, int element, doubl
         for (int c = 0; c < 3; ++c) cubic->control[k][c] += time * rate.control[k][c];
 }
 
-// Over a quarter of a segment from its end, the share rises from that of all who meet there to the whole.
-double ancf_cover_share(const ancf_cover* cover, int segment, double xi) {
-    const double at = xi * cover->segments - segment, from[2] = {at, 1.0 - at};
-    const int last = cover->segments - 1;
-    const double meeting[2] = {segment == 0 ? cover->meeting[0] : 2, segment == last ? cover->meeting[1] : 2};
-    double share = 1.0;
-    for (int k = 0; k < 2; ++k) {
-        const double alone = fmin(fmax(4.0 * from[k], 0.0), 1.0);
-        share *= alone + (1.0 - alone) / meeting[k];
-    }
-    return share;
-}
-
 static int touch_points(ancf_nearest* found, const ancf_cover* cover, const ancf_cubic* cubic, const ancf_solid* solid,
                         double reach) {
     int n = 0;

@@ -71,8 +71,7 @@ static int find(ancf_nearest_pair* found, ancf_meeting* pair, double reach, ancf
     return near;
 }
 
-// A place's contact: the two sides, and how stiff it is where segments or elements share it. Left out where it does not
-// come near enough at the velocities of now.
+// A place's contact; left out where it does not come near enough at the velocities of now.
 static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const ancf_meeting* pair,
                        const ancf_cover* cover, const ancf_model* m, const ancf_laws* law, const ancf_memory** last,
                        const ancf_memory* end, double step) {
@@ -83,9 +82,6 @@ static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const anc
     if (at->gap > reach_of(&cover[e[0]], &cover[e[1]], step, opening < 0.0 ? -opening : 0.0)) return 0;
     ancf_contact c = {.key = {e[0], e[1], at->segment}, .law = law->normal, .rub = law->rub};
     c.gap = at->gap - 0.5 * step * opening; // from the middle of the step to its start
-    ancf_cover whole = cover[e[1]];
-    whole.segments = 1;
-    c.law.stiffness *= ancf_cover_share(&cover[e[0]], at->segment, at->xi[0]) * ancf_cover_share(&whole, 0, at->xi[1]);
     for (int s = 0; s < 2; ++s) {
         c.side[s] = (ancf_side) {.place = ancf_table_add_place(table, m, e[s], at->xi[s]), .body = -1};
         if (c.side[s].place < 0) return -1;

@@ -6,7 +6,8 @@
 
 #include <math.h>
 
-enum { SWEEPS_MAX = 60 };
+// On Stribeck's falling branch neighbours can free and catch each other without end: later sweeps go half the way.
+enum { SWEEPS_WHOLE = 8, SWEEPS_MAX = 24 };
 
 // Part of the largest friction impulse below which a sweep's changes end the solve.
 static const double tolerance = 1e-8;
@@ -49,7 +50,7 @@ static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind
 // Puts one contact's friction right while the others' stay; returns the square of its change [N2 s2]. Its own part is
 // taken off the velocity, the scalar equation solved along what is left, and the new part put on: where nothing changes
 // any more, the friction belongs to the true velocity, even if w was only near the response in that direction.
-static double rub_one(ancf_table* t, ancf_contact* c, double step) {
+static double rub_one(ancf_table* t, ancf_contact* c, double step, double part) {
     double v[3], change[3];
     ancf_table_slip(v, t, c);
     project(v, c->normal);
@@ -60,11 +61,51 @@ static double rub_one(ancf_table* t, ancf_contact* c, double step) {
     const double force = ancf_friction_coefficient(&c->rub, left) * c->impulse / step;
     for (int i = 0; i < 3; i++) {
         const double friction = speed > 0.0 ? -force * (v[i] / speed) : 0.0;
-        change[i] = step * (friction - c->friction[i]);
-        c->friction[i] = friction;
+        change[i] = part * step * (friction - c->friction[i]);
+        c->friction[i] += part * (friction - c->friction[i]);
     }
     ancf_table_kick(t, c, change, step);
     return ancf_dot(change, change);
+}
+
+// Takes the velocities over the step off the accelerations, or puts them on.
+static void accelerations(ancf_table* t, double inverse) {
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < t->n_places; ++i) t->place[i].acceleration[c] += inverse * t->place[i].velocity[c];
+        for (int i = 0; i < t->n_bodies; ++i) {
+            t->body[i].acceleration[c] += inverse * t->body[i].velocity[c];
+            t->body[i].turning[c] += inverse * t->body[i].spin[c];
+        }
+    }
+}
+
+// Friction acts from the start of the step, where slower velocities are than in its middle: there leapfrog has the work
+// of all that acts evenly.
+void ancf_table_guess(ancf_table* t, double step) {
+    double now[3];
+    for (int i = 0; i < t->n_contacts; ++i) ancf_table_slip(t->slip[i], t, &t->contact[i]);
+    accelerations(t, -1.0 / step);
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        double P[3];
+        project(c->friction, c->normal);
+        for (int k = 0; k < 3; k++) P[k] = step * (c->guess[k] = c->friction[k]);
+        ancf_table_kick(t, c, P, step);
+    }
+    accelerations(t, 1.0 / step);
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_table_slip(now, t, &t->contact[i]);
+        for (int k = 0; k < 3; k++) t->slip[i][k] = 0.5 * (now[k] - t->slip[i][k]);
+    }
+    ancf_table_speed_up(t, -0.5 * step);
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        ancf_table_slip(now, t, c);
+        c->rubbed = -step * ancf_dot(c->guess, now);
+        for (int k = 0; k < 3; k++) t->slip[i][k] += now[k];
+    }
+    ancf_table_speed_up(t, 0.5 * step);
+    t->guessed = true;
 }
 
 // Starts from the guess, in the tangent plane and no larger than friction can be. Returns that bound [N s].
@@ -75,35 +116,37 @@ static double start(ancf_table* t, ancf_contact* c, double step) {
     double P[3];
     for (int i = 0; i < 3; i++) {
         c->friction[i] *= rubs(c) ? part : 0.0;
-        P[i] = step * c->friction[i];
+        P[i] = step * (c->friction[i] - c->guess[i]);
     }
+    ancf_table_kick(t, c, P, step);
     if (!rubs(c)) return 0.0;
     c->own = across(t, c);
-    ancf_table_kick(t, c, P, step);
     return bound;
-}
-
-// Energy that a contact's friction takes: its impulse times the mean of the velocities before and after all friction.
-static double taken(const ancf_table* t, int i, double step) {
-    const ancf_contact* c = &t->contact[i];
-    double after[3];
-    ancf_table_slip(after, t, c);
-    return -0.5 * step * (ancf_dot(c->friction, t->slip[i]) + ancf_dot(c->friction, after));
 }
 
 int ancf_table_rub(ancf_table* t, double step, double* left) {
     double largest = 0.0, change = 0.0;
     *left = 0.0;
-    for (int i = 0; i < t->n_contacts; ++i) ancf_table_slip(t->slip[i], t, &t->contact[i]);
+    for (int i = 0; i < t->n_contacts; ++i) {
+        double now[3];
+        ancf_table_slip(now, t, &t->contact[i]);
+        for (int k = 0; k < 3; k++) t->slip[i][k] = (t->guessed ? t->slip[i][k] : now[k]) - 0.5 * now[k];
+    }
     for (int i = 0; i < t->n_contacts; ++i) largest = fmax(largest, start(t, &t->contact[i], step));
-    if (largest == 0.0) return 0;
     int sweep = 0;
-    do {
+    while (largest > 0.0 && sweep < SWEEPS_MAX) {
         change = 0.0;
+        const double part = ++sweep > SWEEPS_WHOLE ? 0.5 : 1.0;
         for (int i = 0; i < t->n_contacts; ++i)
-            if (rubs(&t->contact[i])) change = fmax(change, rub_one(t, &t->contact[i], step));
-    } while (++sweep < SWEEPS_MAX && change > tolerance * tolerance * largest * largest);
-    *left = sqrt(change) / largest;
-    for (int i = 0; i < t->n_contacts; ++i) t->contact[i].rubbed = taken(t, i, step);
+            if (rubs(&t->contact[i])) change = fmax(change, rub_one(t, &t->contact[i], step, part));
+        if (change <= tolerance * tolerance * largest * largest) break;
+    }
+    if (largest > 0.0) *left = sqrt(change) / largest;
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        double now[3]; // energy goes with the mean of the velocities before and after
+        ancf_table_slip(now, t, c);
+        for (int k = 0; k < 3; k++) c->rubbed -= step * (c->friction[k] - c->guess[k]) * (t->slip[i][k] + 0.5 * now[k]);
+    }
     return sweep;
 }

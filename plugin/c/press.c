@@ -214,6 +214,7 @@ static void substep(ancf_table* t, double h, double at, double rest, double sinc
         const double way = 0.5 * h * (c->speed + along_normal(t, c));
         c->impulse += h * c->force;
         c->late += h * c->force * at;
+        for (int k = 0; k < 3; k++) c->swung[k] += h * c->force * (c->side[1].arm[k] - c->start[k]);
         c->gap += way;
         c->damped -= (c->force - c->elastic) * way;
         c->depth = fmax(c->depth, -c->gap);
@@ -233,6 +234,5 @@ void ancf_table_press(ancf_table* t, double step, int substeps) {
         c->energy = ancf_normal_energy(&c->law, -c->gap);
         if (substeps == 0) c->gap += step * along_normal(t, c);
         memcpy(c->side[1].arm, c->start, sizeof c->start);
-        ancf_table_going(c->going, t, c);
     }
 }

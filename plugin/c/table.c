@@ -190,6 +190,7 @@ static void place_value(double value[3], const ancf_place* p, const ancf_model* 
 
 ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* velocity) {
     if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
+    t->guessed = false;
     for (int i = 0; i < t->n_places; ++i) {
         ancf_place* p = &t->place[i];
         p->compliance = 0.0;
@@ -205,6 +206,8 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
         c->own = ancf_table_compliance(t, c, c->normal);
         c->impulse = c->late = c->force = c->energy = c->damped = c->rubbed = 0.0;
         memcpy(c->start, c->side[1].arm, sizeof c->start);
+        c->swung[0] = c->swung[1] = c->swung[2] = 0.0;
+        c->guess[0] = c->guess[1] = c->guess[2] = 0.0;
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
     }
     return ANCF_OK;
@@ -312,18 +315,19 @@ double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const d
     return w > 0.0 ? w : 0.0;
 }
 
-// The normal forces of a contact acted at arms that friction and couplings have made longer by what they changed in the
-// velocities, times the time to each impulse.
+// What the end of the step sees of a normal force is an arm that has moved, up to its time, at the velocity of the end.
 static void twist_late(ancf_table* t, const ancf_contact* c) {
-    double now[3], twist[3], spin[3];
+    double arm[3], twist[3], spin[3];
     if (c->late == 0.0 || c->side[1].body < 0) return;
-    ancf_table_going(now, t, c);
-    for (int i = 0; i < 3; i++) now[i] -= c->going[i];
-    ancf_cross(twist, now, c->normal);
+    ancf_table_going(arm, t, c);
+    for (int i = 0; i < 3; i++) arm[i] = c->late * arm[i] - c->swung[i];
+    ancf_cross(twist, c->normal, arm);
     ancf_body* b = &t->body[c->side[1].body];
-    for (int i = 0; i < 3; i++) b->twist[i] += twist[i] *= -c->late;
     ancf_multiply(spin, b->inv_inertia, twist);
-    for (int i = 0; i < 3; i++) b->spin[i] += spin[i];
+    for (int i = 0; i < 3; i++) {
+        b->twist[i] += twist[i];
+        b->spin[i] += spin[i];
+    }
 }
 
 void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {

@@ -30,6 +30,7 @@ struct ancf_table {
     int room_scratch;
     double (*slip)[3]; // (n_contacts) before friction [m/s]
     int room_slip;
+    bool guessed; // slip is that of a first guess, at the start of the step
 };
 
 static inline double ancf_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

@@ -61,8 +61,6 @@ void CableContacts::makeCover(const CableEngine& cable) {
     vector<bool> owned(static_cast<size_t>(m->n_nodes), false);
     for (size_t e = 0; e < n; ++e) {
         ancf_cover& c = cover[e];
-        c.meeting[0] = m->first[m->ends[2 * e] + 1] - m->first[m->ends[2 * e]];
-        c.meeting[1] = m->first[m->ends[2 * e + 1] + 1] - m->first[m->ends[2 * e + 1]];
         c.segments = 1;
         if (cable.elementIds[e] < 0) continue;
         const Body& body = cable.elementBody(static_cast<int>(e));
@@ -70,7 +68,7 @@ void CableContacts::makeCover(const CableEngine& cable) {
         c.segments = cable.segments[e];
         c.points = cable.points[e] != 0;
         c.kind = kindOf.insert({{body.material.get(), c.radius}, static_cast<int>(kindOf.size())}).first->second;
-        c.mask = static_cast<int>(body.groupMask);
+        c.mask = static_cast<int>(body.groupMask) & ~CableElement::allHave;
         c.structure = cable.structure[e];
         c.own = cable.selfContact[e] != 0;
         c.run = cable.run[e];
@@ -166,7 +164,7 @@ int CableContacts::asleep(const CableEngine& cable) const {
 
 // The body as it will move without the cables' forces.
 int CableContacts::addBody(const CableEngine& cable, const Body& body) {
-    if (stamp[body.id] == cable.scene->iter) return entryOfBody[body.id];
+    if (stamp[body.id] == gathered) return entryOfBody[body.id];
     Scene& s = *cable.scene;
     const State& state = *body.state;
     const Mobility m = mobility(s, body);
@@ -196,7 +194,7 @@ int CableContacts::addBody(const CableEngine& cable, const Body& body) {
     copy(b.along, m.along);
     for (int c = 0; c < 3; ++c) copy(b.inv_inertia + 3 * c, m.inverseInertia.row(c));
     entries.push_back({body.id, vel, spin, carrier});
-    stamp[body.id] = s.iter;
+    stamp[body.id] = gathered;
     return entryOfBody[body.id] = added(ancf_table_add_body(table.get(), &b));
 }
 
@@ -229,9 +227,7 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         const Vector3r normal = geom->normals[i];
         Vector3r at, speed; // of the first side, where forces act: on a cable at its centreline, as it has no twist
         if (element >= 0) {
-            const ancf_cover& cover = shown->cover[element];
             c.side[0] = {added(ancf_table_add_place(table.get(), m, element, geom->xi[i])), -1, {0, 0, 0}};
-            if (!cover.points) c.law.stiffness *= ancf_cover_share(&cover, geom->segment[i], geom->xi[i]);
             at = placeOf(m, m->x, element, geom->xi[i]);
             speed = placeOf(m, m->v, element, geom->xi[i]);
         } else {
@@ -293,6 +289,7 @@ void CableContacts::addCrossings(CableEngine& cable) {
 
 void CableContacts::gather(CableEngine& cable) {
     ancf_table_clear(table.get());
+    ++gathered;
     entries.clear();
     rows.clear();
     const size_t bodies = cable.scene->bodies->size();
@@ -324,6 +321,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time) {
     way = shift.data();
     if (ancf_table_prepare(t, m, m->free)) outOfMemory();
     ancf_table_accelerate(t, m, m->a);
+    ancf_table_guess(t, time.step);
     ancf_table_couple(t, time.step);
     int stiffest = 0;
     cable.contactSteps = ancf_table_substeps(t, time.step, &stiffest);

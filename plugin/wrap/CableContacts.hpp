@@ -41,8 +41,9 @@ class CableContacts {
     vector<int> awake;     // elements whose bodies are in interactions
     vector<Entry> entries; // by number of the body in the table
     vector<Row> rows;
-    vector<int> entryOfBody;   // (bodies) number in the table if that of `stamp` is this step
+    vector<int> entryOfBody;   // (bodies) number in the table if that of `stamp` is `gathered`
     vector<long> stamp;        // (bodies)
+    long gathered = 0;         // how often the table was filled
     vector<int> knotOfCarrier; // place in the table, or -1
     vector<ancf_laws> laws;    // of two kinds of cover
     int kinds = 0;

@@ -25,6 +25,8 @@ class CableElement : public Shape {
     mutable shared_ptr<const CableView> seen;
 
 public:
+    static constexpr int allHave = 1 << 29; // bit of groupMask by which the collider leaves pairs of elements out
+
     // The body's shape as a cable element, or null.
     static const CableElement* of(const Body& body) {
         const bool is = body.shape && body.shape->getClassIndex() == CableElement::getClassIndexStatic();

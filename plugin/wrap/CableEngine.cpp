@@ -17,7 +17,7 @@ namespace yade {
 YADE_PLUGIN((CableEngine))
 CREATE_LOGGER(CableEngine);
 
-Scene& CableEngine::theScene() const { return scene ? *scene : *Omega::instance().getScene(); }
+Scene& CableEngine::theScene() const { return *Omega::instance().getScene(); } // ours may be that of before a load
 
 void CableEngine::refuse(const string& why) const { throw std::runtime_error(text("CableEngine ", family, ": ", why)); }
 

@@ -62,6 +62,11 @@ namespace {
 
 Left addExactly(Scene& scene, const Body& body, const Body& moved, const Vector3r& force, const Vector3r& torque) {
     const State& state = *moved.state;
+    if (state.blockedDOFs == State::DOF_ALL) { // read, but moving nothing
+        scene.forces.addForce(body.id, force);
+        scene.forces.addTorque(body.id, torque);
+        return {Vector3r::Zero(), Vector3r::Zero()};
+    }
     const Real inertia = state.inertia.maxCoeff(), square = scene.dt * scene.dt;
     const Vector3r f = rounded(force, std::sqrt(state.mass * inertia) / square), t = rounded(torque, inertia / square);
     scene.forces.addForce(body.id, f);

@@ -17,7 +17,7 @@ from .laying import curveLength
 from .structure import Structure
 
 DEEPEST_START = 0.5  # depth that a cable may have in a sheave at the start, in its radii
-COARSE = 0.1  # chord error of the contact points that is warned of, in radii of the cable
+COARSE = 0.1  # chord error between places of contact that is warned of, in radii of the cable
 
 
 # ---- making ------------------------------------------------------------------------------------
@@ -361,7 +361,7 @@ def engines(*parts, **options):
     """As ancf.engines, with sheaves: `parts` are cables, nets, SheaveEngines and GuideEngines.
 
     Raises ValueError for a cable that starts inside a sheave or does not fit its groove; warns of
-    contact points that are too coarse.
+    places of contact that are too far apart.
     """
     structures = [p for p in parts if isinstance(p, Structure)]
     drives = [p for p in parts if isinstance(p, (wrapper.SheaveEngine, wrapper.GuideEngine))]
@@ -470,7 +470,7 @@ def _checkStart(structure, sheaveId):
 
 @dataclass
 class Wrap:
-    """A cable on a sheave as it is now; arrays along the cable, one value a contact point."""
+    """A cable on a sheave as it is now; arrays along the cable, one value a place of contact."""
 
     arc: np.ndarray  # place along the unstressed cable [m]
     angle: np.ndarray  # turned through along the wrap [rad], from 0

@@ -61,6 +61,7 @@ typedef struct {
     ancf_normal law;
     ancf_friction rub;
     double friction[3];    // in: first guess; out: mean force on the first side in this step [N]
+    double guess[3];       // what of it acted while the normal forces did [N]
     double impulse;        // of the normal force in this step, >= 0 [N s]
     double depth;          // deepest penetration in this step [m]
     double force;          // normal force of the last sub-step [N]
@@ -70,7 +71,7 @@ typedef struct {
     double own;            // velocity along the normal by a unit impulse along it [1/kg]
     double speed, elastic; // of the sub-step [m/s], [N]
     double start[3];       // arm of the second side at the start [m]
-    double going[3];       // velocity of the first side's point against the second body, before friction [m/s]
+    double swung[3];       // impulse times how far its arm on the second side had moved [N s m]
     double late;           // impulse, each part times the time from the start of the step to it [N s2]
 } ancf_contact;
 
@@ -111,6 +112,9 @@ void ancf_table_accelerate(ancf_table* table, const ancf_model* m, const double*
 
 // Sub-steps that the normal forces need in a step [s], and the contact that needs most; 0: nothing can touch in it.
 int ancf_table_substeps(ancf_table* table, double step, int* stiffest);
+
+// Lets the first guess of friction act, evenly through the step, so that normal forces feel it; optional.
+void ancf_table_guess(ancf_table* table, double step);
 
 // The normal forces through a step, in `substeps` (0: gaps alone go on). Couplings are kept in each.
 void ancf_table_press(ancf_table* table, double step, int substeps);
