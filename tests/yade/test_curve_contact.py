@@ -548,9 +548,6 @@ def test_one_structure_touches_itself_only_if_told(scene):
     assert crossing(same=True) == pytest.approx(2e-3 - 2.0 * 3e-3, abs=1e-4)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="bit ELEMENTS, which all have, counts as a common one: they touch"
-)
 def test_masks_separate_cables(scene):
     assert crossing(1, 2) == pytest.approx(2e-3 - 2.0 * 3e-3, abs=1e-4)
     O.reset()

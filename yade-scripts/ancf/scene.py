@@ -277,7 +277,9 @@ def _checkOrder():
 
 def _checkCollider():
     for collider in (e for e in O.engines if isinstance(e, wrapper.InsertionSortCollider)):
-        if not collider.avoidSelfInteractionMask & ELEMENTS and any(_isElement(b) for b in O.bodies):
+        if not collider.avoidSelfInteractionMask & ELEMENTS and any(
+            _isElement(b) for b in O.bodies
+        ):
             warnings.warn(
                 f"InsertionSortCollider.avoidSelfInteractionMask = {collider.avoidSelfInteractionMask!r}: every "
                 "pair of cable elements that are near will be looked at in every step, for nothing; add "

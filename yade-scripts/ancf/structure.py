@@ -367,7 +367,14 @@ class Structure:
             returns = lay.ends[r.first][0] == lay.ends[r.first + r.count - 1][1]
             closed += [float(sum(lengths)) if returns else 0.0] * r.count
         engine.cover(
-            first, self.radius, self._segments, self.contact == "points", self.selfContact, run, arc, closed
+            first,
+            self.radius,
+            self._segments,
+            self.contact == "points",
+            self.selfContact,
+            run,
+            arc,
+            closed,
         )
         if self._contactPoints == 0:
             return

@@ -106,7 +106,9 @@ class VtkRecorder:
         """Writes the present state."""
         ids = self.bodies
         if ids is None:
-            ids = [b.id for b in O.bodies if b.shape and not isinstance(b.shape, wrapper.CableElement)]
+            ids = [
+                b.id for b in O.bodies if b.shape and not isinstance(b.shape, wrapper.CableElement)
+            ]
         self._write("cables", cableData(self.structures, self.perElement))
         self._write("bodies", bodyData(ids))
 
