@@ -151,6 +151,8 @@ void ancf_boxes_of(ancf_box* box, const ancf_boxes* b, const ancf_model* m, int 
     hull(box, &cubic, b->cover[element].radius + b->room[element] + b->ahead);
 }
 
+double ancf_boxes_room(const ancf_boxes* b, int element) { return b->room[element]; }
+
 static void mean_of_nodes(double mean[3], const ancf_model* m, const double* field) {
     for (int c = 0; c < 3; ++c) {
         double sum = 0.0;

@@ -14,8 +14,8 @@ static const double neighbourhood = 4.0;
 static const double steps_ahead = 0.75;  // what they may do in this many steps from the middle of one is looked for,
 static const double margin_ahead = 0.05; // and this part of the smaller radius besides
 
-static bool neighbours(const ancf_cover* p, double xi, double length1, const ancf_cover* q, double eta,
-                       double length2) {
+bool ancf_cross_neighbours(const ancf_cover* p, double xi, double length1, const ancf_cover* q, double eta,
+                           double length2) {
     if (p->run != q->run) return false;
     double along = fabs(p->arc + xi * length1 - q->arc - eta * length2);
     if (p->closed > 0.0) along = fmin(along, p->closed - along);
@@ -109,7 +109,9 @@ int ancf_cross_add(ancf_table* table, ancf_boxes* boxes, const ancf_cover* cover
         pair->strayed = strayed;
         const int near = find(found, pair, reach, boxes, p, q, m, 0.5 * step);
         for (int i = 0; i < near; ++i) {
-            if (neighbours(p, found[i].xi[0], m->element[e].length, q, found[i].xi[1], m->element[f].length)) continue;
+            if (ancf_cross_neighbours(p, found[i].xi[0], m->element[e].length, q, found[i].xi[1],
+                                      m->element[f].length))
+                continue;
             const int one =
                 add_contact(table, &found[i], pair, cover, m, &laws[p->kind * kinds + q->kind], &last, end, step);
             if (one < 0) return -1;

@@ -32,6 +32,7 @@ static void fictitious_mass(double* mass, const ancf_model* m, double stiffening
     double *start = mass + m->n_nodes, *end = start + m->n_elements;
     for (int e = 0; e < m->n_elements; ++e)
         if (m->next[e] >= 0) end[e] = start[m->next[e]] = end[e] + start[m->next[e]];
+    for (int c = 1; c < 3; ++c) memcpy(mass + c * m->stride, mass, (size_t)m->stride * sizeof *mass);
 }
 
 static double unit_length(const ancf_model* m, int dof) {
@@ -54,16 +55,23 @@ static double imbalance(const ancf_model* m, const double* mass) {
     return largest > 0.0 ? residual / largest : 0.0;
 }
 
-// The damping that the motion asks for: twice the frequency of its Rayleigh quotient.
-static double damping_of(const ancf_model* m, const double* mass, const double* before, const double* rate) {
-    double stiffness = 0.0, inertia = 0.0;
+// The motion's Rayleigh quotient, as sums that fade with its past.
+typedef struct {
+    double stiffness, inertia;
+} quotient;
+
+// The damping that the motion asks for: twice the frequency of its Rayleigh quotient. keep: what counts of the past.
+static double damping_of(quotient* q, const ancf_model* m, const double* mass, const double* before, const double* rate,
+                         double keep) {
+    q->stiffness *= keep;
+    q->inertia *= keep;
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < m->n_dof; ++i) {
             const int j = c * m->stride + i;
-            stiffness += rate[j] * (before[j] - m->f[j]);
-            inertia += mass[i] * rate[j] * rate[j];
+            q->stiffness += rate[j] * (before[j] - m->f[j]);
+            q->inertia += mass[j] * rate[j] * rate[j];
         }
-    return stiffness > 0.0 && inertia > 0.0 ? fmin(2.0 * sqrt(stiffness / inertia), 1.9) : 0.0;
+    return q->stiffness > 0.0 && q->inertia > 0.0 ? fmin(2.0 * sqrt(q->stiffness / q->inertia), 1.9) : 0.0;
 }
 
 static void relaxation_step(ancf_model* m, const double* mass, double* rate, double damping) {
@@ -71,19 +79,61 @@ static void relaxation_step(ancf_model* m, const double* mass, double* rate, dou
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < m->n_dof; ++i) {
             const int j = c * m->stride + i;
-            if (m->hold[i] || mass[i] <= 0.0) continue;
-            rate[j] = keep * rate[j] + push * m->f[j] / mass[i];
+            if (m->hold[i] || mass[j] <= 0.0) continue;
+            rate[j] = keep * rate[j] + push * m->f[j] / mass[j];
             m->x[j] += rate[j];
         }
 }
 
-ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations) {
+// What keeps contacts from bouncing, with the rest of the step.
+static void drag_step(ancf_model* m, const ancf_rest* rest, const double* mass, double* rate, double damping) {
+    const double push = 2.0 / (2.0 + damping);
+    const double* drag = ancf_rest_drag(rest);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < m->n_dof; ++i) {
+            const int j = c * m->stride + i;
+            if (m->hold[i] || drag[j] == 0.0) continue;
+            const double more = push * drag[j] / mass[j];
+            rate[j] += more;
+            m->x[j] += more;
+        }
+}
+
+// Takes a step back as far as it was longer than `leap` [m].
+static void shorten(ancf_model* m, double* rate, double leap) {
+    double longest = 0.0;
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < m->n_dof; ++i)
+            longest = fmax(longest, fabs(rate[c * m->stride + i]) * (i < m->n_nodes ? 1.0 : unit_length(m, i) / 3.0));
+    if (longest <= leap) return;
+    const double over = 1.0 - leap / longest;
+    for (int j = 0; j < 3 * m->stride; ++j) {
+        m->x[j] -= over * rate[j];
+        rate[j] -= over * rate[j];
+    }
+}
+
+// Adds the forces of contact; near: masses with those that contacts need.
+static void touch(ancf_model* m, ancf_rest* rest, double* near, const double* mass, const double* rate) {
+    ancf_rest_press(rest, m, rate);
+    const double *force = ancf_rest_force(rest), *inertia = ancf_rest_inertia(rest);
+    for (int j = 0; j < 3 * m->stride; ++j) {
+        m->f[j] += force[j];
+        near[j] = mass[j] + inertia[j];
+    }
+}
+
+static const double fading = 0.97; // contacts make it noisy
+
+ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations, ancf_rest* rest) {
     enum { REFRESH = 100 };
     const size_t field = 3 * (size_t)m->stride;
-    double *rate = m->work + 2 * field, *before = rate + field, *mass = before + field, *rest = mass + field;
+    double *rate = m->work + 2 * field, *before = rate + field, *mass = before + field, *still = mass + field;
+    double* near = m->work; // masses where it may touch
     memset(rate, 0, 4 * field * sizeof *rate);
     memset(m->v, 0, field * sizeof *m->v);
     double damping = 0.0, stiffening = 0.0;
+    quotient motion = {0.0, 0.0};
     for (int k = 0; k < iterations; ++k) {
         if (k % REFRESH == 0) {
             int element;
@@ -91,10 +141,16 @@ ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations) {
             if (needed > stiffening || needed < 0.5 * stiffening) fictitious_mass(mass, m, stiffening = needed);
         }
         memcpy(before, m->f, field * sizeof *before);
-        ancf_acceleration(m, m->x, rest);
+        ancf_acceleration(m, m->x, still);
+        const int pairs = rest ? ancf_rest_look(rest, m, rate) : 0;
+        if (pairs < 0) return ANCF_E_MEMORY;
+        if (pairs > 0) touch(m, rest, near, mass, rate);
         if (imbalance(m, mass) < tolerance) return ANCF_OK;
-        if (k > 0) damping = damping_of(m, mass, before, rate);
-        relaxation_step(m, mass, rate, damping);
+        const double* inertia = pairs > 0 ? near : mass;
+        if (k > 0) damping = damping_of(&motion, m, inertia, before, rate, pairs > 0 ? fading : 0.0);
+        relaxation_step(m, inertia, rate, damping);
+        if (pairs > 0) drag_step(m, rest, inertia, rate, damping);
+        if (pairs > 0) shorten(m, rate, ancf_rest_leap(rest));
     }
     return ANCF_E_EQUILIBRIUM;
 }

@@ -216,7 +216,7 @@ static void lumped_cable_sags_as_the_exact_one(void** state) {
         b.hold[0] = b.hold[1] = ANCF_HELD;
         build_finish(&b);
         b.m->gravity[2] = -9.81;
-        assert_int_equal(ancf_equilibrium(b.m, 1e-12, 100000), ANCF_OK);
+        assert_int_equal(ancf_equilibrium(b.m, 1e-12, 100000, NULL), ANCF_OK);
         ancf_model_at(middle, b.m, b.x, 0, 0.5);
         sag[k] = -middle[2];
         build_free(&b);

@@ -30,6 +30,9 @@ void ancf_boxes_plan(ancf_boxes* boxes, const ancf_model* m, double step, int st
 // Box of an element as it is now, with its room.
 void ancf_boxes_of(ancf_box* box, const ancf_boxes* boxes, const ancf_model* m, int element);
 
+// How far an element may move along each axis while its box holds [m].
+double ancf_boxes_room(const ancf_boxes* boxes, int element);
+
 // From now on, boxes are those of this state. Finds the pairs of elements that may meet while they hold; -1: out of
 // memory.
 int ancf_boxes_set(ancf_boxes* boxes, const ancf_model* m);

@@ -1,0 +1,334 @@
+#include "ancf/rest.h"
+
+#include "internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FOUND_MAX = 65, SPOTS = 4, STEPS_HELD = 50 };
+
+struct near_solid {
+    int element, obstacle;
+};
+
+struct ancf_rest {
+    const ancf_cover* cover;
+    const ancf_laws* laws;
+    int kinds;
+    ancf_obstacle* obstacle;
+    int n_obstacles;
+    const ancf_obstacle_pair* pair;
+    int n_pairs;
+    ancf_boxes* boxes;
+    bool boxed; // once
+    int n_near, room_near;
+    struct near_solid* near;
+    double *force, *inertia, *drag; // (3 x stride)
+    double leap;             // [m]
+    const double* rate;      // (3 x stride) of the state
+};
+
+ancf_error ancf_rest_create(ancf_rest** rest, const ancf_model* m, const ancf_cover* cover, const ancf_laws* laws,
+                            int kinds, ancf_obstacle* obstacle, int n_obstacles, const ancf_obstacle_pair* pair,
+                            int n_pairs) {
+    ancf_rest* r = *rest = calloc(1, sizeof *r);
+    if (!r) return ANCF_E_MEMORY;
+    *r = (ancf_rest) {.cover = cover,
+                      .laws = laws,
+                      .kinds = kinds,
+                      .obstacle = obstacle,
+                      .n_obstacles = n_obstacles,
+                      .pair = pair,
+                      .n_pairs = n_pairs,
+                      .leap = INFINITY};
+    r->force = calloc(3 * (size_t)m->stride, sizeof *r->force);
+    r->inertia = calloc(3 * (size_t)m->stride, sizeof *r->inertia);
+    r->drag = calloc(3 * (size_t)m->stride, sizeof *r->drag);
+    if (!r->force || !r->inertia || !r->drag || ancf_boxes_create(&r->boxes, m, cover)) {
+        ancf_rest_destroy(r);
+        *rest = NULL;
+        return ANCF_E_MEMORY;
+    }
+    for (int e = 0; e < m->n_elements; ++e)
+        if (cover[e].radius > 0.0) r->leap = fmin(r->leap, 0.25 * cover[e].radius);
+    for (int i = 0; i < n_pairs; ++i) r->leap = fmin(r->leap, 0.25 * obstacle[pair[i].ball].solid.size[0]);
+    return ANCF_OK;
+}
+
+void ancf_rest_destroy(ancf_rest* r) {
+    if (!r) return;
+    ancf_boxes_destroy(r->boxes);
+    free(r->near);
+    free(r->force);
+    free(r->inertia);
+    free(r->drag);
+    free(r);
+}
+
+const double* ancf_rest_force(const ancf_rest* r) { return r->force; }
+
+const double* ancf_rest_inertia(const ancf_rest* r) { return r->inertia; }
+
+double ancf_rest_leap(const ancf_rest* r) { return r->leap; }
+
+const double* ancf_rest_drag(const ancf_rest* r) { return r->drag; }
+
+// ---------------------------------------------------------------- what may touch
+
+static void place_obstacle(ancf_obstacle* o, const ancf_model* m) {
+    if (o->node < 0) return;
+    for (int c = 0; c < 3; ++c) o->solid.center[c] = m->x[c * m->stride + o->node] + o->arm[c];
+}
+
+static bool excluded(const ancf_obstacle* o, int element) {
+    int low = 0, high = o->n_excluded;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (o->excluded[middle] < element) low = middle + 1;
+        else high = middle;
+    }
+    return low < o->n_excluded && o->excluded[low] == element;
+}
+
+// A signed distance changes by no more than the way: what is not inside a ball around a box is not inside the box.
+static bool reaches(const ancf_obstacle* o, const ancf_box* box, double room) {
+    double center[3], normal[3], square = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        const double half = 0.5 * (box->high[c] - box->low[c]);
+        center[c] = box->low[c] + half;
+        square += half * half;
+    }
+    return ancf_solid_distance(normal, &o->solid, center) <= sqrt(square) + room;
+}
+
+static bool add_near(ancf_rest* r, int element, int obstacle) {
+    if (r->n_near == r->room_near) {
+        const int room = r->room_near ? 2 * r->room_near : 64;
+        struct near_solid* grown = realloc(r->near, (size_t)room * sizeof *grown);
+        if (!grown) return false;
+        r->near = grown;
+        r->room_near = room;
+    }
+    r->near[r->n_near++] = (struct near_solid) {element, obstacle};
+    return true;
+}
+
+// How far a node may move while the boxes hold, along one axis and so with all three.
+static double room_of(const ancf_rest* r, const ancf_model* m, int node) {
+    double room = INFINITY;
+    for (int k = m->first[node]; k < m->first[node + 1]; ++k)
+        room = fmin(room, ancf_boxes_room(r->boxes, m->at[k] >> 1));
+    return isfinite(room) ? sqrt(3.0) * room : 0.0;
+}
+
+static bool find_near(ancf_rest* r, const ancf_model* m) {
+    r->n_near = 0;
+    for (int i = 0; i < r->n_obstacles; ++i) place_obstacle(&r->obstacle[i], m);
+    for (int e = 0; e < m->n_elements; ++e) {
+        if (r->cover[e].radius == 0.0) continue;
+        ancf_box box;
+        ancf_boxes_of(&box, r->boxes, m, e);
+        for (int i = 0; i < r->n_obstacles; ++i) {
+            const ancf_obstacle* o = &r->obstacle[i];
+            if (!(o->mask & r->cover[e].mask) || excluded(o, e)) continue;
+            const double room = o->node < 0 ? 0.0 : room_of(r, m, o->node);
+            if (reaches(o, &box, room) && !add_near(r, e, i)) return false;
+        }
+    }
+    return true;
+}
+
+int ancf_rest_look(ancf_rest* r, ancf_model* m, double* rate) {
+    int meetings;
+    if (!r->boxed || !ancf_boxes_hold(r->boxes, m)) {
+        double* velocity = m->v;
+        m->v = rate;
+        ancf_boxes_plan(r->boxes, m, 1.0, STEPS_HELD, 0.0);
+        m->v = velocity;
+        if (ancf_boxes_set(r->boxes, m) < 0 || !find_near(r, m)) return -1;
+        r->boxed = true;
+    }
+    ancf_boxes_meetings(r->boxes, &meetings);
+    return meetings + r->n_near + r->n_pairs;
+}
+
+// ---------------------------------------------------------------- forces
+
+// A force along a normal, what it gains by a way along it and across, and what damps its two sides against each other.
+typedef struct {
+    double normal[3], force, along, across, drag; // [N], [N/m], drag as force
+} pressing;
+
+// As row sums of the stiffness, in the units of fictitious masses (equilibrium.c).
+static void add_row(ancf_rest* r, const ancf_model* m, int dof, double weight, double unit, double sum,
+                    const pressing* p) {
+    const double all = fabs(p->normal[0]) + fabs(p->normal[1]) + fabs(p->normal[2]);
+    for (int c = 0; c < 3; ++c) {
+        const int j = c * m->stride + dof;
+        r->force[j] += weight * p->force * p->normal[c];
+        r->drag[j] += weight * p->drag * p->normal[c];
+        r->inertia[j] += fabs(weight) * unit * sum * (p->along * fabs(p->normal[c]) * all + p->across);
+    }
+}
+
+static void press_place(ancf_rest* r, const ancf_model* m, int element, double xi, const pressing* p) {
+    double S[4], sum = 0.0;
+    int dof[4];
+    ancf_model_weights(S, m, element, xi);
+    ancf_model_dofs(dof, m, element);
+    const double length = m->element[element].length, unit[4] = {1.0, length, 1.0, length};
+    for (int i = 0; i < 4; ++i) sum += fabs(S[i]) / unit[i];
+    for (int i = 0; i < 4; ++i) add_row(r, m, dof[i], S[i], unit[i], sum, p);
+}
+
+// What acts on a cable or ball at a point acts on the obstacle, and so on the node that carries it.
+static void press_obstacle(ancf_rest* r, const ancf_model* m, ancf_obstacle* o, const double at[3], pressing p) {
+    p.force = -p.force;
+    p.drag = -p.drag;
+    for (int c = 0; c < 3; ++c) {
+        const int j = (c + 1) % 3, k = (c + 2) % 3;
+        o->force[c] += p.force * p.normal[c];
+        o->moment[c] += p.force * (at[j] * p.normal[k] - at[k] * p.normal[j]);
+    }
+    if (o->node >= 0) add_row(r, m, o->node, 1.0, 1.0, 1.0, &p);
+}
+
+static pressing pressing_of(const ancf_normal* law, const double normal[3], double depth, double part, double radius) {
+    const double force = part * ancf_normal_force(law, depth, 0.0);
+    pressing p = {.force = force, .along = part * ancf_normal_tangent(law, depth), .across = force / radius};
+    memcpy(p.normal, normal, sizeof p.normal);
+    return p;
+}
+
+// Velocity of a place, or of a node, along a normal.
+static double rate_at(const ancf_rest* r, const ancf_model* m, int element, double xi, const double normal[3]) {
+    double v[3];
+    ancf_model_at(v, m, r->rate, element, xi);
+    return v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2];
+}
+
+static double rate_of(const ancf_rest* r, const ancf_model* m, int node, const double normal[3]) {
+    double sum = 0.0;
+    for (int c = 0; c < 3 && node >= 0; ++c) sum += r->rate[c * m->stride + node] * normal[c];
+    return sum;
+}
+
+static void press_one(ancf_rest* r, const ancf_model* m, int element, double xi, const double at[3], ancf_obstacle* o,
+                      pressing p) {
+    p.drag = -p.along * (rate_at(r, m, element, xi, p.normal) - rate_of(r, m, o->node, p.normal));
+    if (o->node >= 0) p.along *= 2.0; // both sides give way
+    press_place(r, m, element, xi, &p);
+    press_obstacle(r, m, o, at, p);
+}
+
+// Depths of a segment become one: that of its deepest place, or where it lies along the solid, `lying` times their root
+// mean square, convex and smooth between the two. A place's part is the derivative of the one depth by that at the place.
+static const double lying = 1.25, blend = 0.15;
+
+static void press_segment(ancf_rest* r, const ancf_model* m, int element, const ancf_cubic* cubic,
+                          const ancf_nearest* place, ancf_obstacle* o, const ancf_normal* law) {
+    static const double gauss[SPOTS] = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
+    static const double weight[SPOTS] = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
+    const ancf_cover* cover = &r->cover[element];
+    double xi[SPOTS], at[SPOTS][3], normal[SPOTS][3], depth[SPOTS], square = 0.0;
+    for (int i = 0; i < SPOTS; ++i) {
+        xi[i] = (place->segment + gauss[i]) / cover->segments;
+        ancf_cubic_at(at[i], cubic, xi[i]);
+        depth[i] = fmax(cover->radius - ancf_solid_distance(normal[i], &o->solid, at[i]), 0.0);
+        square += weight[i] * depth[i] * depth[i];
+    }
+    const double deepest = -place->gap, mean = sqrt(square), over = lying * mean / deepest - 1.0, in = over + blend;
+    const double more = over < -blend ? 0.0 : over < blend ? in * in / (4.0 * blend) : over;
+    const double spread = over < -blend ? 0.0 : over < blend ? in / (2.0 * blend) : 1.0;
+    const double share = (1.0 - spread) * ancf_cover_share(cover, place->segment, place->xi) + spread;
+    const double stiffer = spread == 0.0 ? 1.0 : spread < 1.0 ? 4.0 : 2.0; // by the second derivative of the one depth
+    const double one = deepest * (1.0 + more), alone = 1.0 + more - spread * (1.0 + over);
+    pressing p = pressing_of(law, place->normal, one, alone * share, cover->radius);
+    p.along *= stiffer;
+    if (alone > 0.0) press_one(r, m, element, place->xi, place->point, o, p);
+    for (int i = 0; i < SPOTS && spread > 0.0; ++i) {
+        const double part = spread * lying * weight[i] * depth[i] / mean;
+        p = pressing_of(law, normal[i], one, part * share, cover->radius);
+        p.along *= stiffer;
+        if (part > 0.0) press_one(r, m, element, xi[i], at[i], o, p);
+    }
+}
+
+static void press_solid(ancf_rest* r, const ancf_model* m, const struct near_solid* near) {
+    ancf_nearest found[FOUND_MAX];
+    ancf_cubic cubic;
+    ancf_obstacle* o = &r->obstacle[near->obstacle];
+    const ancf_cover* cover = &r->cover[near->element];
+    const ancf_normal* law = &o->law[cover->kind];
+    ancf_cover_cubic(&cubic, m, m->x, near->element);
+    const int n = ancf_cover_touch(found, cover, &cubic, &o->solid, 0.0);
+    for (int i = 0; i < n; ++i) {
+        if (!cover->points) {
+            press_segment(r, m, near->element, &cubic, &found[i], o, law);
+            continue;
+        }
+        const pressing p = pressing_of(law, found[i].normal, -found[i].gap, 1.0, cover->radius);
+        press_one(r, m, near->element, found[i].xi, found[i].point, o, p);
+    }
+}
+
+static void press_ball(ancf_rest* r, const ancf_model* m, const ancf_obstacle_pair* pair) {
+    ancf_obstacle *ball = &r->obstacle[pair->ball], *o = &r->obstacle[pair->other];
+    const double radius = ball->solid.size[0];
+    double normal[3], point[3];
+    const double gap = ancf_solid_distance(normal, &o->solid, ball->solid.center) - radius;
+    if (gap >= 0.0) return;
+    pressing p = pressing_of(&pair->law, normal, -gap, 1.0, radius);
+    p.drag = -p.along * (rate_of(r, m, ball->node, normal) - rate_of(r, m, o->node, normal));
+    if (o->node >= 0) p.along *= 2.0;
+    for (int c = 0; c < 3; ++c) point[c] = ball->solid.center[c] - (radius + 0.5 * gap) * normal[c];
+    press_obstacle(r, m, o, point, p);
+    p.force = -p.force; // from the other's side
+    p.drag = -p.drag;
+    press_obstacle(r, m, ball, point, p);
+}
+
+static void press_cables(ancf_rest* r, const ancf_model* m, const ancf_meeting* pair) {
+    ancf_nearest_pair found[FOUND_MAX];
+    ancf_cubic cubic[2];
+    const int e[2] = {pair->first, pair->second};
+    const ancf_cover *first = &r->cover[e[0]], *second = &r->cover[e[1]];
+    for (int k = 0; k < 2; ++k) ancf_cover_cubic(&cubic[k], m, m->x, e[k]);
+    const int n = ancf_nearest_cubic(found, &cubic[0], first->segments, first->radius, &cubic[1], second->radius, 0.0);
+    for (int i = 0; i < n; ++i) {
+        const double* xi = found[i].xi;
+        if (ancf_cross_neighbours(first, xi[0], m->element[e[0]].length, second, xi[1], m->element[e[1]].length))
+            continue;
+        const double share = ancf_cross_share(first, second, &found[i]);
+        pressing p = pressing_of(&r->laws[first->kind * r->kinds + second->kind].normal, found[i].normal, -found[i].gap,
+                                 share, fmin(first->radius, second->radius));
+        p.drag = -p.along * (rate_at(r, m, e[0], xi[0], p.normal) - rate_at(r, m, e[1], xi[1], p.normal));
+        p.along *= 2.0;
+        press_place(r, m, e[0], xi[0], &p);
+        p.force = -p.force;
+        p.drag = -p.drag;
+        press_place(r, m, e[1], xi[1], &p);
+    }
+}
+
+void ancf_rest_press(ancf_rest* r, const ancf_model* m, const double* rate) {
+    const size_t field = 3 * (size_t)m->stride * sizeof(double);
+    memset(r->force, 0, field);
+    memset(r->inertia, 0, field);
+    memset(r->drag, 0, field);
+    r->rate = rate;
+    for (int i = 0; i < r->n_obstacles; ++i) {
+        ancf_obstacle* o = &r->obstacle[i];
+        place_obstacle(o, m);
+        for (int c = 0; c < 3; ++c) o->force[c] = o->moment[c] = 0.0;
+    }
+    for (int i = 0; i < r->n_near; ++i) press_solid(r, m, &r->near[i]);
+    for (int i = 0; i < r->n_pairs; ++i) press_ball(r, m, &r->pair[i]);
+    int meetings;
+    const ancf_meeting* meeting = ancf_boxes_meetings(r->boxes, &meetings);
+    for (int i = 0; i < meetings; ++i) press_cables(r, m, &meeting[i]);
+    ancf_model_join(m, r->force);
+    ancf_model_join(m, r->inertia);
+    ancf_model_join(m, r->drag);
+}
