@@ -25,8 +25,8 @@ struct ancf_rest {
     int n_near, room_near;
     struct near_solid* near;
     double *force, *inertia, *drag; // (3 x stride)
-    double leap;             // [m]
-    const double* rate;      // (3 x stride) of the state
+    double leap;                    // [m]
+    const double* rate;             // (3 x stride) of the state
 };
 
 ancf_error ancf_rest_create(ancf_rest** rest, const ancf_model* m, const ancf_cover* cover, const ancf_laws* laws,
@@ -78,7 +78,11 @@ const double* ancf_rest_drag(const ancf_rest* r) { return r->drag; }
 
 static void place_obstacle(ancf_obstacle* o, const ancf_model* m) {
     if (o->node < 0) return;
-    for (int c = 0; c < 3; ++c) o->solid.center[c] = m->x[c * m->stride + o->node] + o->arm[c];
+    for (int c = 0; c < 3; ++c) {
+        const double center = m->x[c * m->stride + o->node] + o->arm[c];
+        for (int k = 0; k < 3; ++k) o->solid.corner[k][c] += center - o->solid.center[c];
+        o->solid.center[c] = center;
+    }
 }
 
 static bool excluded(const ancf_obstacle* o, int element) {
@@ -223,13 +227,15 @@ static void press_one(ancf_rest* r, const ancf_model* m, int element, double xi,
 }
 
 // Depths of a segment become one: that of its deepest place, or where it lies along the solid, `lying` times their root
-// mean square, convex and smooth between the two. A place's part is the derivative of the one depth by that at the place.
+// mean square, convex and smooth between the two. A place's part is the derivative of the one depth by that at the
+// place.
 static const double lying = 1.25, blend = 0.15;
 
 static void press_segment(ancf_rest* r, const ancf_model* m, int element, const ancf_cubic* cubic,
                           const ancf_nearest* place, ancf_obstacle* o, const ancf_normal* law) {
     static const double gauss[SPOTS] = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
-    static const double weight[SPOTS] = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
+    static const double weight[SPOTS] = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731,
+                                         0.1739274225687269};
     const ancf_cover* cover = &r->cover[element];
     double xi[SPOTS], at[SPOTS][3], normal[SPOTS][3], depth[SPOTS], square = 0.0;
     for (int i = 0; i < SPOTS; ++i) {

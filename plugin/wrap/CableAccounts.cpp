@@ -3,6 +3,7 @@
 #include "CableEngine.hpp"
 
 #include "CableNodes.hpp"
+#include "CableRest.hpp"
 
 #include <pkg/dem/NewtonIntegrator.hpp>
 
@@ -142,8 +143,15 @@ void CableEngine::relax(Real tolerance, int iterations) {
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
     std::fill_n(model->external, position.size(), 0);
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
-    const ancf_error error = ancf_equilibrium(model.get(), tolerance, iterations);
+    model->track = false;
+    CableRest rest(*this);
+    const vector<Real> before = position;
+    const ancf_error error = ancf_equilibrium(model.get(), tolerance, iterations, rest.get());
     if (error) refuse(text("relax: ", ancf_error_text(error)));
+    if (const string moved = rest.moved(); !moved.empty()) {
+        std::copy(before.begin(), before.end(), position.begin());
+        refuse("relax: " + moved);
+    }
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         State& state = *(*s.bodies)[carryIds[i]]->state;
         state.pos = nodeOf(model->x, model->stride, carryNodes[i]);

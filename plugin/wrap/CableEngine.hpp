@@ -20,6 +20,7 @@ class CableEngine : public GlobalEngine {
     static constexpr Real strainReserve = .1; // strain up to which automatic steps are stable
 
     friend class CableContacts;
+    friend class CableRest;
     struct ModelDeleter {
         void operator()(ancf_model* m) const { ancf_model_destroy(m); }
     };
@@ -176,7 +177,7 @@ public:
         .def("energy", &CableEngine::energy, (py::arg("first"), py::arg("last")), "Energies [J] of the elements first .. last-1 as dict kinetic, axial, bending, gravity; carried masses not counted.")
         .def("momentum", &CableEngine::momentum, "(linear [kg m/s], angular about the origin [kg m²/s]), with the masses carried at knots.")
         .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cables at their strain now, at least 0.1, whether they touch or not [s].")
-        .def("relax", &CableEngine::relax, (py::arg("tolerance"), py::arg("iterations")), "Moves the cables to static equilibrium; RuntimeError if there is none.")
+        .def("relax", &CableEngine::relax, (py::arg("tolerance"), py::arg("iterations")), "Moves the cables to static equilibrium, on what they lie on, without friction; RuntimeError if there is none, or a body that they press on may move.")
         .def("build", &CableEngine::build, "Checks everything and gets ready; done by itself at the first step.")
     )
     // clang-format on

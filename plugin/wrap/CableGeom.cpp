@@ -151,6 +151,18 @@ namespace {
     }
 } // namespace
 
+bool solidOf(ancf_solid& solid, const Body& body) {
+    const Shape* shape = body.shape.get();
+    const Se3r& pose = body.state->se3;
+    if (const auto* sphere = dynamic_cast<const Sphere*>(shape)) solid = solidOf(*sphere, pose);
+    else if (const auto* box = dynamic_cast<const Box*>(shape)) solid = solidOf(*box, pose);
+    else if (const auto* facet = dynamic_cast<const Facet*>(shape)) solid = solidOf(*facet, pose);
+    else if (const auto* wall = dynamic_cast<const Wall*>(shape)) solid = solidOf(*wall, pose);
+    else if (const auto* sheave = dynamic_cast<const Sheave*>(shape)) solid = solidOf(*sheave, pose);
+    else return false;
+    return true;
+}
+
 void CableGeom::set(const ancf_nearest* found, int n) {
     const vector<int> before = segment;
     const vector<Vector3r> kept = friction;

@@ -16,6 +16,9 @@
 
 namespace yade {
 
+// The body's shape as a solid that cables touch, where the body is; false if it has none.
+bool solidOf(ancf_solid& solid, const Body& body);
+
 class CableGeom : public GenericSpheresContact {
 public:
     // Takes the places as found now; friction of those that were there before is kept.

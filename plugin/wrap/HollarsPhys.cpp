@@ -51,30 +51,34 @@ namespace {
         return ball < groove.fillet ? ancf_groove_curvature(&groove) : .5 / groove.radius;
     }
 
-    // Radius of the contact [m]: 1 over the sum of mean curvatures, r1 r2/(r1 + r2) for spheres. What is neither sphere
-    // nor sheave is taken as flat; where both are, the radii count that their Ig2 functor gave the contact.
+    // Where both are flat, the radii count that their Ig2 functor gave the contact.
     Real contactRadius(const Scene* scene, const Interaction& contact) {
-        const Shape* shapes[] = {(*scene->bodies)[contact.getId1()]->shape.get(),
-                                 (*scene->bodies)[contact.getId2()]->shape.get()};
-        Real curvature = 0, ball = 0;
-        for (const Shape* shape : shapes)
-            if (const auto* sphere = dynamic_cast<const Sphere*>(shape)) {
-                ball = sphere->radius;
-                curvature += 1 / ball;
-            } else if (const auto* cable = dynamic_cast<const CableElement*>(shape)) {
-                ball = cable->radius; // the study's spheres of the cable's thickness
-                curvature += 1 / ball;
-            }
-        for (const Shape* shape : shapes)
-            if (const auto* sheave = dynamic_cast<const Sheave*>(shape))
-                curvature += sheaveCurvature(sheave->groove(), ball);
-        if (const auto* given = dynamic_cast<const GenericSpheresContact*>(contact.geom.get());
-            given && !(curvature > 0))
-            for (const Real radius : {given->refR1, given->refR2})
-                if (radius > 0) curvature += 1 / radius;
+        const Real radius =
+            radiusOfContact(*(*scene->bodies)[contact.getId1()]->shape, *(*scene->bodies)[contact.getId2()]->shape);
+        const auto* given = dynamic_cast<const GenericSpheresContact*>(contact.geom.get());
+        if (std::isfinite(radius) || !given) return radius;
+        Real curvature = 0;
+        for (const Real each : {given->refR1, given->refR2})
+            if (each > 0) curvature += 1 / each;
         return curvature > 0 ? 1 / curvature : infinite;
     }
 } // namespace
+
+Real radiusOfContact(const Shape& first, const Shape& second) {
+    Real curvature = 0, ball = 0;
+    for (const Shape* shape : {&first, &second})
+        if (const auto* sphere = dynamic_cast<const Sphere*>(shape)) {
+            ball = sphere->radius;
+            curvature += 1 / ball;
+        } else if (const auto* cable = dynamic_cast<const CableElement*>(shape)) {
+            ball = cable->radius; // the study's spheres of the cable's thickness
+            curvature += 1 / ball;
+        }
+    for (const Shape* shape : {&first, &second})
+        if (const auto* sheave = dynamic_cast<const Sheave*>(shape))
+            curvature += sheaveCurvature(sheave->groove(), ball);
+    return curvature > 0 ? 1 / curvature : infinite;
+}
 
 void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real radius) {
     phys.normalStiffness = ancf_hertz_stiffness(radius, a.young, a.poisson, b.young, b.poisson);

@@ -44,6 +44,10 @@ public:
 };
 REGISTER_SERIALIZABLE(HollarsPhys);
 
+// Radius of a contact [m]: 1 over the sum of mean curvatures, r1 r2/(r1 + r2) for spheres. What is neither sphere nor
+// cable nor sheave is flat; infinite if both are.
+Real radiusOfContact(const Shape& first, const Shape& second);
+
 // Stiffness and exponent of a contact of that radius [m]: a material's own, the softer one if both give it, else Hertz.
 void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real radius);
 

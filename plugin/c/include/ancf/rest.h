@@ -10,16 +10,16 @@
 // A solid that cables may touch.
 typedef struct {
     ancf_solid solid;
-    int node;                   // that carries it, a ball; -1: it stands still
-    double arm[3];              // from the node to its centre [m]
-    int mask;                   // bits; elements without a common one pass through it
-    const ancf_normal* law;     // (kinds of cover) against elements
-    const int* excluded;        // (n_excluded) elements that never touch it, ascending
+    int node;               // that carries it, without turning it; -1: it stands still
+    double arm[3];          // from the node to its centre [m]
+    int mask;               // bits; elements without a common one pass through it
+    const ancf_normal* law; // (kinds of cover) against elements
+    const int* excluded;    // (n_excluded) elements that never touch it, ascending
     int n_excluded;
     double force[3], moment[3]; // out: on it, the latter about the origin [N], [N m]
 } ancf_obstacle;
 
-// Two obstacles that may touch; a node carries the first.
+// Two obstacles that may touch; the first is a ball that a node carries.
 typedef struct {
     int ball, other;
     ancf_normal law;
@@ -37,8 +37,8 @@ void ancf_rest_destroy(ancf_rest* rest);
 // -1: out of memory.
 int ancf_rest_look(ancf_rest* rest, ancf_model* m, double* rate);
 
-// Contacts at the state of now and its rate, fields (3 x stride) with shared slopes joined: forces; masses to be added so
-// that iterations stay stable; and forces that keep the sides of a contact from bouncing, 0 at rest.
+// Contacts at the state of now and its rate, fields (3 x stride) with shared slopes joined: forces; masses to be added
+// so that iterations stay stable; and forces that keep the sides of a contact from bouncing, 0 at rest.
 void ancf_rest_press(ancf_rest* rest, const ancf_model* m, const double* rate);
 const double* ancf_rest_force(const ancf_rest* rest);
 const double* ancf_rest_inertia(const ancf_rest* rest);
