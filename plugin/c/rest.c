@@ -228,8 +228,8 @@ static void press_one(ancf_rest* r, const ancf_model* m, int element, double xi,
 
 // Depths of a segment become one: that of its deepest place, or where it lies along the solid, `lying` times their root
 // mean square, convex and smooth between the two. A place's part is the derivative of the one depth by that at the
-// place.
-static const double lying = 1.25, blend = 0.15;
+// place. A segment that lies is as stiff as its place is on average, whose share is 1/2 at its ends and 1 between.
+static const double lying = 1.25, blend = 0.15, share_lying = 0.75;
 
 static void press_segment(ancf_rest* r, const ancf_model* m, int element, const ancf_cubic* cubic,
                           const ancf_nearest* place, ancf_obstacle* o, const ancf_normal* law) {
@@ -247,7 +247,8 @@ static void press_segment(ancf_rest* r, const ancf_model* m, int element, const 
     const double deepest = -place->gap, mean = sqrt(square), over = lying * mean / deepest - 1.0, in = over + blend;
     const double more = over < -blend ? 0.0 : over < blend ? in * in / (4.0 * blend) : over;
     const double spread = over < -blend ? 0.0 : over < blend ? in / (2.0 * blend) : 1.0;
-    const double share = (1.0 - spread) * ancf_cover_share(cover, place->segment, place->xi) + spread;
+    const double share = (1.0 - spread) * ancf_cover_share(cover, place->segment, place->xi) +
+                         spread * share_lying / pow(lying, law->kind == ANCF_NORMAL_LINEAR ? 1.0 : law->exponent);
     const double stiffer = spread == 0.0 ? 1.0 : spread < 1.0 ? 4.0 : 2.0; // by the second derivative of the one depth
     const double one = deepest * (1.0 + more), alone = 1.0 + more - spread * (1.0 + over);
     pressing p = pressing_of(law, place->normal, one, alone * share, cover->radius);
