@@ -218,65 +218,181 @@ static double rate_of(const ancf_rest* r, const ancf_model* m, int node, const d
     return sum;
 }
 
-static void press_one(ancf_rest* r, const ancf_model* m, int element, double xi, const double at[3], ancf_obstacle* o,
-                      pressing p) {
-    p.drag = -p.along * (rate_at(r, m, element, xi, p.normal) - rate_of(r, m, o->node, p.normal));
-    if (o->node >= 0) p.along *= 2.0; // both sides give way
+// The side of a contact that a segment of an element meets: a solid, or another element.
+typedef struct {
+    ancf_obstacle* o;        // or NULL
+    int element;             // the other one
+    const ancf_cubic* cubic; // its own
+    const ancf_cover* cover;
+    const ancf_normal* law;
+} side;
+
+static void press_place_and_side(ancf_rest* r, const ancf_model* m, int element, double xi, const double at[3],
+                                 const side* s, double eta, pressing p) {
+    const double rate = s->o ? rate_of(r, m, s->o->node, p.normal) : rate_at(r, m, s->element, eta, p.normal);
+    p.drag = -p.along * (rate_at(r, m, element, xi, p.normal) - rate);
+    if (!s->o || s->o->node >= 0) p.along *= 2.0; // both sides give way
     press_place(r, m, element, xi, &p);
-    press_obstacle(r, m, o, at, p);
+    if (s->o) {
+        press_obstacle(r, m, s->o, at, p);
+        return;
+    }
+    p.force = -p.force;
+    p.drag = -p.drag;
+    press_place(r, m, s->element, eta, &p);
 }
 
-// Depths of a segment become one: that of its deepest place, or where it lies along the solid, `lying` times their root
-// mean square, convex and smooth between the two. A place's part is the derivative of the one depth by that at the
-// place. A segment that lies is as stiff as its place is on average, whose share is 1/2 at its ends and 1 between.
-static const double lying = 1.25, blend = 0.15, share_lying = 0.75;
+// Depths of a segment become one, from which its force follows. In the order in which they matter: that of its deepest
+// place; or of the deepest in either half, where they are nearly the same, as over a hump; or where it lies along the
+// solid, `lying` times their root mean square. All is smooth between them, as otherwise the force would jump for ever.
+// A place's part is the derivative of the one depth by that at the place.
+static const double lying = 1.25, blend_lying = 0.15, blend_halves = 0.1;
+static const double apart_halves = 0.25; // of a segment; nearer places are the same
+static const double share_lying = 0.75;  // on average: 1/2 at the ends, 1 between
 
-static void press_segment(ancf_rest* r, const ancf_model* m, int element, const ancf_cubic* cubic,
-                          const ancf_nearest* place, ancf_obstacle* o, const ancf_normal* law) {
+typedef struct {
+    double xi, eta, depth, part, share; // eta: on the other element
+    double at[3], normal[3];
+} spot;
+
+// The larger of 1 and 1 + over, smoothly within `blend`; *part: its derivative by `over`.
+static double larger(double* part, double over, double blend) {
+    *part = over < -blend ? 0.0 : over < blend ? (over + blend) / (2.0 * blend) : 1.0;
+    return over < -blend ? 1.0 : over < blend ? 1.0 + (over + blend) * (over + blend) / (4.0 * blend) : 1.0 + over;
+}
+
+// Share that the other element has at a place of its own.
+static double other_share(const side* other, double eta) {
+    if (other->o) return 1.0;
+    ancf_cover whole = *other->cover;
+    whole.segments = 1;
+    return ancf_cover_share(&whole, 0, eta);
+}
+
+// One depth of the deepest places of two halves, and their parts.
+static double join_halves(spot half[2], int segments) {
+    spot *deeper = &half[half[1].depth > half[0].depth], *other = &half[half[1].depth <= half[0].depth];
+    const double way = fmin(fabs(half[1].xi - half[0].xi) * segments / apart_halves, 1.0);
+    const double over = other->depth / deeper->depth - 1.0;
+    double part;
+    const double one = 1.0 + way * (larger(&part, over, blend_halves) - 1.0);
+    other->part = way * part;
+    deeper->part = one - other->part * (1.0 + over);
+    return one * deeper->depth;
+}
+
+// Depth and normal at a point of the centreline.
+static void probe(spot* s, const ancf_rest* r, const ancf_model* m, int element, const side* other) {
+    const ancf_cover* cover = &r->cover[element];
+    if (other->o) {
+        s->depth = fmax(cover->radius - ancf_solid_distance(s->normal, &other->o->solid, s->at), 0.0);
+        return;
+    }
+    ancf_nearest_pair found;
+    ancf_cubic point;
+    for (int k = 0; k < 4; ++k) memcpy(point.control[k], s->at, sizeof s->at);
+    s->depth = 0.0;
+    if (!ancf_nearest_cubic(&found, &point, 1, cover->radius, other->cubic, other->cover->radius, 0.0)) return;
+    if (ancf_cross_neighbours(cover, s->xi, m->element[element].length, other->cover, found.xi[1],
+                              m->element[other->element].length))
+        return;
+    s->eta = found.xi[1];
+    s->depth = -found.gap;
+    memcpy(s->normal, found.normal, sizeof s->normal);
+}
+
+// Depths at Gauss points of a segment; returns their root mean square, and as parts its derivatives.
+static double depths_along(spot along[SPOTS], const ancf_rest* r, const ancf_model* m, int element,
+                           const ancf_cubic* cubic, int segment, const side* other) {
     static const double gauss[SPOTS] = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
     static const double weight[SPOTS] = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731,
                                          0.1739274225687269};
-    const ancf_cover* cover = &r->cover[element];
-    double xi[SPOTS], at[SPOTS][3], normal[SPOTS][3], depth[SPOTS], square = 0.0;
+    const double exponent = other->law->kind == ANCF_NORMAL_LINEAR ? 1.0 : other->law->exponent;
+    double square = 0.0;
     for (int i = 0; i < SPOTS; ++i) {
-        xi[i] = (place->segment + gauss[i]) / cover->segments;
-        ancf_cubic_at(at[i], cubic, xi[i]);
-        depth[i] = fmax(cover->radius - ancf_solid_distance(normal[i], &o->solid, at[i]), 0.0);
-        square += weight[i] * depth[i] * depth[i];
+        spot* s = &along[i];
+        *s = (spot) {.xi = (segment + gauss[i]) / r->cover[element].segments};
+        ancf_cubic_at(s->at, cubic, s->xi);
+        probe(s, r, m, element, other);
+        s->share = share_lying / pow(lying, exponent) * other_share(other, s->eta);
+        square += weight[i] * s->depth * s->depth;
     }
-    const double deepest = -place->gap, mean = sqrt(square), over = lying * mean / deepest - 1.0, in = over + blend;
-    const double more = over < -blend ? 0.0 : over < blend ? in * in / (4.0 * blend) : over;
-    const double spread = over < -blend ? 0.0 : over < blend ? in / (2.0 * blend) : 1.0;
-    const double share = (1.0 - spread) * ancf_cover_share(cover, place->segment, place->xi) +
-                         spread * share_lying / pow(lying, law->kind == ANCF_NORMAL_LINEAR ? 1.0 : law->exponent);
-    const double stiffer = spread == 0.0 ? 1.0 : spread < 1.0 ? 4.0 : 2.0; // by the second derivative of the one depth
-    const double one = deepest * (1.0 + more), alone = 1.0 + more - spread * (1.0 + over);
-    pressing p = pressing_of(law, place->normal, one, alone * share, cover->radius);
-    p.along *= stiffer;
-    if (alone > 0.0) press_one(r, m, element, place->xi, place->point, o, p);
-    for (int i = 0; i < SPOTS && spread > 0.0; ++i) {
-        const double part = spread * lying * weight[i] * depth[i] / mean;
-        p = pressing_of(law, normal[i], one, part * share, cover->radius);
+    const double mean = sqrt(square);
+    for (int i = 0; i < SPOTS; ++i) along[i].part = mean > 0.0 ? weight[i] * along[i].depth / mean : 0.0;
+    return mean;
+}
+
+static double mean_share(const spot* s, int n) {
+    double share = 0.0, all = 0.0;
+    for (int i = 0; i < n; ++i) {
+        share += s[i].part * s[i].share;
+        all += s[i].part;
+    }
+    return all > 0.0 ? share / all : 0.0;
+}
+
+// spots: one or two places, of the halves of the segment; room for those along it.
+static void press_segment(ancf_rest* r, const ancf_model* m, int element, const ancf_cubic* cubic, int segment,
+                          spot spots[2 + SPOTS], int n, const side* other) {
+    const ancf_cover* cover = &r->cover[element];
+    for (int i = 0; i < n; ++i) {
+        spots[i].part = 1.0;
+        spots[i].share = ancf_cover_share(cover, segment, spots[i].xi) * other_share(other, spots[i].eta);
+    }
+    spot* along = &spots[n];
+    const double deepest = n == 1 ? spots[0].depth : join_halves(spots, cover->segments);
+    const double over = lying * depths_along(along, r, m, element, cubic, segment, other) / deepest - 1.0;
+    double spread;
+    const double more = larger(&spread, over, blend_lying), alone = more - spread * (1.0 + over);
+    const double share = (1.0 - spread) * mean_share(spots, n) + spread * mean_share(along, SPOTS);
+    // what second derivatives of the one depth add to the stiffness, at most
+    double stiffer = spread == 0.0 ? 1.0 : spread < 1.0 ? 4.0 : 2.0;
+    if (n == 2 && spots[0].part > 0.0 && spots[1].part > 0.0) stiffer += 4.0;
+    for (int i = 0; i < n + SPOTS; ++i) {
+        const spot* s = &spots[i];
+        const double part = s->part * (i < n ? alone : spread * lying);
+        if (part <= 0.0) continue;
+        pressing p = pressing_of(other->law, s->normal, more * deepest, part * share, cover->radius);
         p.along *= stiffer;
-        if (part > 0.0) press_one(r, m, element, xi[i], at[i], o, p);
+        press_place_and_side(r, m, element, s->xi, s->at, other, s->eta, p);
     }
 }
 
-static void press_solid(ancf_rest* r, const ancf_model* m, const struct near_solid* near) {
+static void press_points(ancf_rest* r, const ancf_model* m, int element, const ancf_cubic* cubic, const side* other) {
     ancf_nearest found[FOUND_MAX];
-    ancf_cubic cubic;
-    ancf_obstacle* o = &r->obstacle[near->obstacle];
-    const ancf_cover* cover = &r->cover[near->element];
-    const ancf_normal* law = &o->law[cover->kind];
-    ancf_cover_cubic(&cubic, m, m->x, near->element);
-    const int n = ancf_cover_touch(found, cover, &cubic, &o->solid, 0.0);
+    const ancf_cover* cover = &r->cover[element];
+    const int n = ancf_cover_touch(found, cover, cubic, &other->o->solid, 0.0);
     for (int i = 0; i < n; ++i) {
-        if (!cover->points) {
-            press_segment(r, m, near->element, &cubic, &found[i], o, law);
-            continue;
-        }
-        const pressing p = pressing_of(law, found[i].normal, -found[i].gap, 1.0, cover->radius);
-        press_one(r, m, near->element, found[i].xi, found[i].point, o, p);
+        const pressing p = pressing_of(other->law, found[i].normal, -found[i].gap, 1.0, cover->radius);
+        press_place_and_side(r, m, element, found[i].xi, found[i].point, other, 0.0, p);
+    }
+}
+
+static spot spot_of(double xi, double eta, double gap, const double at[3], const double normal[3]) {
+    spot s = {.xi = xi, .eta = eta, .depth = -gap};
+    memcpy(s.at, at, sizeof s.at);
+    memcpy(s.normal, normal, sizeof s.normal);
+    return s;
+}
+
+static void press_solid(ancf_rest* r, const ancf_model* m, const struct near_solid* near) {
+    ancf_nearest found[2 * FOUND_MAX];
+    ancf_cubic cubic;
+    const ancf_cover* cover = &r->cover[near->element];
+    side other = {.o = &r->obstacle[near->obstacle]};
+    other.law = &other.o->law[cover->kind];
+    ancf_cover_cubic(&cubic, m, m->x, near->element);
+    if (cover->points) {
+        press_points(r, m, near->element, &cubic, &other);
+        return;
+    }
+    const int n = ancf_nearest_solid(found, &cubic, 2 * cover->segments, cover->radius, &other.o->solid, 0.0);
+    for (int i = 0, k; i < n; i += k) {
+        spot spots[2 + SPOTS];
+        const int segment = found[i].segment / 2;
+        for (k = 0; i + k < n && found[i + k].segment / 2 == segment; ++k)
+            spots[k] = spot_of(found[i + k].xi, 0.0, found[i + k].gap, found[i + k].point, found[i + k].normal);
+        press_segment(r, m, near->element, &cubic, segment, spots, k, &other);
     }
 }
 
@@ -297,25 +413,31 @@ static void press_ball(ancf_rest* r, const ancf_model* m, const ancf_obstacle_pa
 }
 
 static void press_cables(ancf_rest* r, const ancf_model* m, const ancf_meeting* pair) {
-    ancf_nearest_pair found[FOUND_MAX];
+    ancf_nearest_pair found[2 * FOUND_MAX];
     ancf_cubic cubic[2];
-    const int e[2] = {pair->first, pair->second};
-    const ancf_cover *first = &r->cover[e[0]], *second = &r->cover[e[1]];
-    for (int k = 0; k < 2; ++k) ancf_cover_cubic(&cubic[k], m, m->x, e[k]);
-    const int n = ancf_nearest_cubic(found, &cubic[0], first->segments, first->radius, &cubic[1], second->radius, 0.0);
-    for (int i = 0; i < n; ++i) {
-        const double* xi = found[i].xi;
-        if (ancf_cross_neighbours(first, xi[0], m->element[e[0]].length, second, xi[1], m->element[e[1]].length))
-            continue;
-        const double share = ancf_cross_share(first, second, &found[i]);
-        pressing p = pressing_of(&r->laws[first->kind * r->kinds + second->kind].normal, found[i].normal, -found[i].gap,
-                                 share, fmin(first->radius, second->radius));
-        p.drag = -p.along * (rate_at(r, m, e[0], xi[0], p.normal) - rate_at(r, m, e[1], xi[1], p.normal));
-        p.along *= 2.0;
-        press_place(r, m, e[0], xi[0], &p);
-        p.force = -p.force;
-        p.drag = -p.drag;
-        press_place(r, m, e[1], xi[1], &p);
+    const int e = pair->first, f = pair->second;
+    const ancf_cover *first = &r->cover[e], *second = &r->cover[f];
+    ancf_cover_cubic(&cubic[0], m, m->x, e);
+    ancf_cover_cubic(&cubic[1], m, m->x, f);
+    const side other = {.element = f,
+                        .cubic = &cubic[1],
+                        .cover = second,
+                        .law = &r->laws[first->kind * r->kinds + second->kind].normal};
+    const int all =
+        ancf_nearest_cubic(found, &cubic[0], 2 * first->segments, first->radius, &cubic[1], second->radius, 0.0);
+    int n = 0;
+    for (int i = 0; i < all; ++i)
+        if (!ancf_cross_neighbours(first, found[i].xi[0], m->element[e].length, second, found[i].xi[1],
+                                   m->element[f].length))
+            found[n++] = found[i];
+    for (int i = 0, k; i < n; i += k) {
+        spot spots[2 + SPOTS];
+        const int segment = found[i].segment / 2;
+        for (k = 0; i + k < n && found[i + k].segment / 2 == segment; ++k) {
+            const ancf_nearest_pair* at = &found[i + k];
+            spots[k] = spot_of(at->xi[0], at->xi[1], at->gap, at->point[0], at->normal);
+        }
+        press_segment(r, m, e, &cubic[0], segment, spots, k, &other);
     }
 }
 

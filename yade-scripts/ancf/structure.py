@@ -666,10 +666,14 @@ class Structure:
         return self._needEngine("criticalTimeStep").criticalTimeStep()
 
     def relax(self, tolerance=1e-8, iterations=2_000_000):
-        """Moves all cables of the engine to static equilibrium under gravity and loads, at rest.
+        """Moves all cables of the engine to static equilibrium under gravity, loads and contact, at
+        rest.
+
+        They lie on the bodies of the scene, which stand still, and on each other, by normal forces
+        alone: friction does not hold anything, and what would slide away has no equilibrium.
 
         tolerance: of the force on every free unknown, as part of the largest force. RuntimeError if
-        none is found.
+        none is found, or if the cables press on a body that may move.
         """
         engine = self._needEngine("relax")
         engine.relax(values.positive(f"{self.name}.relax: tolerance", tolerance, "-"), iterations)

@@ -21,9 +21,6 @@ typedef struct {
 bool ancf_cross_neighbours(const ancf_cover* first, double xi, double length1, const ancf_cover* second, double eta,
                            double length2);
 
-// Share of a place's stiffness, where segments or elements have it together.
-double ancf_cross_share(const ancf_cover* first, const ancf_cover* second, const ancf_nearest_pair* at);
-
 // Adds to the table the contacts of all pairs whose gap may close in 1.5 steps at the present speeds. laws: (kinds x
 // kinds). Returns their number; -1: out of memory. What is `friction` of a contact is taken from `last`, (n_last).
 int ancf_cross_add(ancf_table* table, ancf_boxes* boxes, const ancf_cover* cover, const ancf_model* m,
