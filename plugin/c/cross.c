@@ -109,8 +109,7 @@ int ancf_cross_add(ancf_table* table, ancf_boxes* boxes, const ancf_cover* cover
         pair->strayed = strayed;
         const int near = find(found, pair, reach, boxes, p, q, m, 0.5 * step);
         for (int i = 0; i < near; ++i) {
-            if (ancf_cross_neighbours(p, found[i].xi[0], m->element[e].length, q, found[i].xi[1],
-                                      m->element[f].length))
+            if (ancf_cross_neighbours(p, found[i].xi[0], m->element[e].length, q, found[i].xi[1], m->element[f].length))
                 continue;
             const int one =
                 add_contact(table, &found[i], pair, cover, m, &laws[p->kind * kinds + q->kind], &last, end, step);

@@ -82,7 +82,7 @@ public:
     void remember(const vector<int>& pairs, const vector<Vector3r>& friction);
 
     const Real* newVelocity() const { return velocity; }
-    const Real* displacement() const { return way; } // besides that velocity times the step; null: none
+    const Real* displacement() const { return way; }              // besides that velocity times the step; null: none
     const vector<ancf_laws>& lawsOfKinds() const { return laws; } // of two kinds of cover
     int asleep(const CableEngine& cable) const;
     void track(Real& elastic, Real& damped, Real& rubbed) const; // energies of this step [J]
