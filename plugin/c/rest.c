@@ -248,10 +248,9 @@ static void press_place_and_side(ancf_rest* r, const ancf_model* m, int element,
 // A place's part is the derivative of the one depth by that at the place.
 static const double lying = 1.25, blend_lying = 0.15, blend_halves = 0.1;
 static const double apart_halves = 0.25; // of a segment; nearer places are the same
-static const double share_lying = 0.75;  // on average: 1/2 at the ends, 1 between
 
 typedef struct {
-    double xi, eta, depth, part, share; // eta: on the other element
+    double xi, eta, depth, part; // eta: on the other element
     double at[3], normal[3];
 } spot;
 
@@ -259,14 +258,6 @@ typedef struct {
 static double larger(double* part, double over, double blend) {
     *part = over < -blend ? 0.0 : over < blend ? (over + blend) / (2.0 * blend) : 1.0;
     return over < -blend ? 1.0 : over < blend ? 1.0 + (over + blend) * (over + blend) / (4.0 * blend) : 1.0 + over;
-}
-
-// Share that the other element has at a place of its own.
-static double other_share(const side* other, double eta) {
-    if (other->o) return 1.0;
-    ancf_cover whole = *other->cover;
-    whole.segments = 1;
-    return ancf_cover_share(&whole, 0, eta);
 }
 
 // One depth of the deepest places of two halves, and their parts.
@@ -307,14 +298,12 @@ static double depths_along(spot along[SPOTS], const ancf_rest* r, const ancf_mod
     static const double gauss[SPOTS] = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
     static const double weight[SPOTS] = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731,
                                          0.1739274225687269};
-    const double exponent = other->law->kind == ANCF_NORMAL_LINEAR ? 1.0 : other->law->exponent;
     double square = 0.0;
     for (int i = 0; i < SPOTS; ++i) {
         spot* s = &along[i];
         *s = (spot) {.xi = (segment + gauss[i]) / r->cover[element].segments};
         ancf_cubic_at(s->at, cubic, s->xi);
         probe(s, r, m, element, other);
-        s->share = share_lying / pow(lying, exponent) * other_share(other, s->eta);
         square += weight[i] * s->depth * s->depth;
     }
     const double mean = sqrt(square);
@@ -322,29 +311,18 @@ static double depths_along(spot along[SPOTS], const ancf_rest* r, const ancf_mod
     return mean;
 }
 
-static double mean_share(const spot* s, int n) {
-    double share = 0.0, all = 0.0;
-    for (int i = 0; i < n; ++i) {
-        share += s[i].part * s[i].share;
-        all += s[i].part;
-    }
-    return all > 0.0 ? share / all : 0.0;
-}
-
 // spots: one or two places, of the halves of the segment; room for those along it.
 static void press_segment(ancf_rest* r, const ancf_model* m, int element, const ancf_cubic* cubic, int segment,
                           spot spots[2 + SPOTS], int n, const side* other) {
     const ancf_cover* cover = &r->cover[element];
-    for (int i = 0; i < n; ++i) {
-        spots[i].part = 1.0;
-        spots[i].share = ancf_cover_share(cover, segment, spots[i].xi) * other_share(other, spots[i].eta);
-    }
+    for (int i = 0; i < n; ++i) spots[i].part = 1.0;
     spot* along = &spots[n];
     const double deepest = n == 1 ? spots[0].depth : join_halves(spots, cover->segments);
     const double over = lying * depths_along(along, r, m, element, cubic, segment, other) / deepest - 1.0;
     double spread;
     const double more = larger(&spread, over, blend_lying), alone = more - spread * (1.0 + over);
-    const double share = (1.0 - spread) * mean_share(spots, n) + spread * mean_share(along, SPOTS);
+    const double exponent = other->law->kind == ANCF_NORMAL_LINEAR ? 1.0 : other->law->exponent;
+    const double softer = 1.0 - spread + spread / pow(lying, exponent); // so that it lies no deeper or less deep for it
     // what second derivatives of the one depth add to the stiffness, at most
     double stiffer = spread == 0.0 ? 1.0 : spread < 1.0 ? 4.0 : 2.0;
     if (n == 2 && spots[0].part > 0.0 && spots[1].part > 0.0) stiffer += 4.0;
@@ -352,7 +330,7 @@ static void press_segment(ancf_rest* r, const ancf_model* m, int element, const 
         const spot* s = &spots[i];
         const double part = s->part * (i < n ? alone : spread * lying);
         if (part <= 0.0) continue;
-        pressing p = pressing_of(other->law, s->normal, more * deepest, part * share, cover->radius);
+        pressing p = pressing_of(other->law, s->normal, more * deepest, part * softer, cover->radius);
         p.along *= stiffer;
         press_place_and_side(r, m, element, s->xi, s->at, other, s->eta, p);
     }

@@ -15,11 +15,8 @@ typedef struct {
 static void touch_start(touching* t, const built* b, double radius, double stiffness, ancf_obstacle* obstacle, int n) {
     const int elements = b->def.n_elements;
     t->cover = calloc((size_t)elements, sizeof *t->cover);
-    for (int e = 0; e < elements; ++e) {
-        t->cover[e] = (ancf_cover) {.radius = radius, .segments = 4, .mask = 1, .run = e, .meeting = {1, 1}};
-        for (int k = 0; k < 2; ++k)
-            t->cover[e].meeting[k] = b->m->first[b->ends[2 * e + k] + 1] - b->m->first[b->ends[2 * e + k]];
-    }
+    for (int e = 0; e < elements; ++e)
+        t->cover[e] = (ancf_cover) {.radius = radius, .segments = 4, .mask = 1, .run = e};
     t->law = (ancf_normal) {ANCF_NORMAL_HERTZ, stiffness, 1.5, 0.0};
     t->laws = (ancf_laws) {.normal = t->law};
     for (int i = 0; i < n; ++i) obstacle[i].law = &t->law;
@@ -31,7 +28,8 @@ static void touch_end(touching* t) {
     free(t->cover);
 }
 
-// A net on a ball, its corners pulled down: all that is pulled rests on the ball, and without a moment about its centre.
+// A net on a ball, its corners pulled down: all that is pulled rests on the ball, and without a moment about its
+// centre.
 static void net_on_a_ball(void** state) {
     (void)state;
     const double radius = 5e-4, big = 0.15, pull = 2.0;
@@ -90,7 +88,7 @@ static void depth_of_one_place(void** state) {
 // A slack rope comes to rest on a taut one, crosswise.
 static void two_ropes_carry_each_other(void** state) {
     (void)state;
-    enum { N = 8 };
+    enum { N = 9 };
     const double radius = 2e-3, L = 1.0;
     const ancf_element all = {.length = L / N, .ea = 1e3, .rho_a = 0.05};
     built b = build_start(2 * (N + 1), 2 * N, all);
@@ -112,13 +110,16 @@ static void two_ropes_carry_each_other(void** state) {
     b.m->gravity[2] = -g;
     touching t;
     touch_start(&t, &b, radius, 1e7, NULL, 0);
-    for (int e = 0; e < 2 * N; ++e) t.cover[e].structure = e / N;
+    for (int e = 0; e < 2 * N; ++e) {
+        t.cover[e].structure = e / N;
+        t.cover[e].segments = 3; // they cross in the middle of one
+    }
     assert_int_equal(ancf_equilibrium(b.m, 1e-8, 500000, t.rest), ANCF_OK);
     double low[3], high[3];
-    own_at(low, &b, b.x, N / 2, 0.0);
-    own_at(high, &b, b.x, N + N / 2, 0.0);
+    own_at(low, &b, b.x, N / 2, 0.5);
+    own_at(high, &b, b.x, N + N / 2, 0.5);
     assert_near(high[2] - low[2], 2.0 * radius, 0.02 * radius);
-    for (int c = 0; c < 2; ++c) assert_near(high[c] - low[c], 0.0, 0.5 * radius); // free to slide where it is flat
+    for (int c = 0; c < 2; ++c) assert_near(high[c] - low[c], 0.0, 1e-6);
     // Contact forces are inner forces: with them in m->f, what is out of balance is at the four ends alone.
     double sum = 0.0;
     for (int i = 0; i < b.def.n_nodes; ++i)
