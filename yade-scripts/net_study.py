@@ -281,7 +281,7 @@ def table(runs, folder):
             ]
         )
     head = (
-        "model,nodes,dof,stable step of the cables [s],step with contacts [s],us a step (leapfrog),"
+        "model,nodes,dof,stable step of the cables [s],step taken [s],us a step (leapfrog),"
         "us a step (RK4),us a step (whole capture),capture [s]"
     ).split(",")
     writeTable(folder / "table.csv", head, list(cost.values()))

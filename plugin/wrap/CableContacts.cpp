@@ -53,7 +53,6 @@ void CableContacts::reset() {
 
 void CableContacts::makeCover(const CableEngine& cable) {
     const ancf_model* m = cable.theModel();
-    const Scene& s = cable.theScene();
     const size_t n = cable.length.size();
     auto& cover = shown->cover;
     cover.assign(n, ancf_cover {});
@@ -93,7 +92,6 @@ void CableContacts::makeCover(const CableEngine& cable) {
             phys.frictionKind = cable.frictionKind;
             laws[static_cast<size_t>(i * kinds + j)] = {phys.normalLaw(), phys.frictionLaw()};
         }
-    if (s.bodies->size() > entryOfBody.size()) entryOfBody.resize(s.bodies->size());
 }
 
 void CableContacts::build(CableEngine& cable) {
@@ -121,7 +119,7 @@ void CableContacts::plan(const CableEngine& cable) {
         if (!CableElement::of(*body)) fastest = std::max(fastest, body->state->vel.squaredNorm());
     for (const ancf_cover& c : shown->cover) thickest = std::max(thickest, c.radius);
     const Real speed = std::sqrt(fastest) + ancf_boxes_fastest(cable.theModel());
-    ahead = stepsAhead * s.dt * speed + marginAhead * thickest;
+    const Real ahead = stepsAhead * s.dt * speed + marginAhead * thickest;
     ancf_boxes_plan(boxes.get(), cable.theModel(), s.dt, restingSteps, ahead);
 }
 

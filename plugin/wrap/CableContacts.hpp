@@ -50,7 +50,6 @@ class CableContacts {
     vector<ancf_memory> memory;                     // friction between cables in the step before
     int firstCrossing = 0;                          // contact of the table at which those between cables begin
     bool outgrown = true;                           // an element has left its box: new ones in the next step
-    Real ahead = 0;                                 // how far beyond its box an element sees [m]
     vector<Real> after, shift;                      // fields: velocities with contacts, displacements besides
     const Real *velocity = nullptr, *way = nullptr; // what this step goes on with
 

@@ -100,9 +100,9 @@ public:
 
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(CableEngine, GlobalEngine,
-        "Moves cables and nets of ANCF elements or springs, solves their friction, and carries bodies with their knots. "
+        "Moves cables and nets of ANCF elements or springs, solves their contacts, and carries bodies with their knots. "
         "Between InteractionLoop and NewtonIntegrator. Filled by the Python classes Cable and Net of the package ancf.",
-        ((string, integrator, "leapfrog", , "'leapfrog', or 'rk4' (a reference: four force evaluations, contact held during the step)."))
+        ((string, integrator, "leapfrog", , "'leapfrog', or 'rk4' (a reference: four force evaluations; knows no contact)."))
         ((int, substeps, 0, , "Steps of the cable inside one O.dt; 0: as many as it needs."))
         ((int, family, 0, , "Number of this engine, unique in the scene."))
         ((int, nNodes, 0, Attr::readonly, "Number of nodes."))

@@ -120,7 +120,7 @@ public:
     FUNCTOR2D(ScGeom, HollarsPhys)
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(Law2_ScGeom_HollarsPhys_Hollars, LawFunctor,
-        "Normal force by Table 1 and friction by Eq. 11 of Shan, Guo and Gill (2019) between bodies, that are no cables. "
+        "Normal force by Table 1 and friction by Eq. 11 of Shan, Guo and Gill (2019) between bodies that are no cables. "
         "Damping acts at the velocity in the middle of the step, friction at the one after it: solved with the inertia of "
         "both bodies, gravity, and the number of contacts that each had in the step before, which all act at once. "
         "The forces are the same to the last bit for any number of threads and after loading, whatever the "

@@ -45,7 +45,8 @@ Real compliance(const Mobility& m, const Body& moved, const Vector3r& at, const 
 // threads, it is made. Both are rounded to a power of two, by less than 1e-16 of the force that moves the body by its
 // radius of gyration in one step (of the torque that turns it by 1). Such numbers add up without error as long as the
 // sum is below half of that force: ten times what a contact a tenth of the radius deep gives at its own step. `moved`
-// is movedBody(body); one without mass or inertia gets them as they are. Returns what was rounded off.
+// is movedBody(body); one without mass or inertia, or blocked altogether, gets them as they are. Returns what was
+// rounded off.
 struct Left {
     Vector3r force, torque;
 };

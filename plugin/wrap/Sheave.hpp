@@ -29,7 +29,7 @@ public:
 
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(Sheave, Shape,
-        "Wheel with a groove, a body of revolution about the body's z axis. Touches spheres, and so cables, without facets.",
+        "Wheel with a groove, a body of revolution about the body's z axis. Touches spheres and cables without facets.",
         ((Real, radius, .05, Attr::triggerPostLoad, "Radius at the bottom of the groove [m]."))
         ((Real, width, .01, Attr::triggerPostLoad, "Width of the groove between its lips [m]."))
         ((string, profile, "round", Attr::triggerPostLoad, "'round' (a circular bottom), 'flat' (with flanges if flangeHeight is above 0) or 'vee'."))
@@ -67,7 +67,7 @@ public:
     DEFINE_FUNCTOR_ORDER_2D(Sheave, Sphere)
     // clang-format off
     YADE_CLASS_BASE_DOC(Ig2_Sheave_Sphere_ScGeom, IGeomFunctor,
-        "Contact of a :yref:`Sheave` with a sphere, a cable's point above all: at the point of the true surface that is nearest.")
+        "Contact of a :yref:`Sheave` with a sphere: at the point of the true surface that is nearest.")
     // clang-format on
 };
 REGISTER_SERIALIZABLE(Ig2_Sheave_Sphere_ScGeom);

@@ -225,9 +225,8 @@ static scene scene_make(uint64_t* seed, const ancf_friction* law, int which, int
     b->mass[1] = 0.5;
     build_finish(b);
     assert_int_equal(ancf_table_create(&s.t, b->m), ANCF_OK);
-    s.before = calloc(6 * (size_t)b->stride, sizeof *s.before);
+    s.before = velocity_before(b);
     s.shift = s.before + 3 * b->stride;
-    memcpy(s.before, b->v, 3 * (size_t)b->stride * sizeof *s.before);
     ancf_table_clear(s.t);
     const int knot = ancf_table_add_knot(s.t, b->m, 1);
     for (int i = 0; i < BODIES; ++i) { // the last one is carried by the knot

@@ -30,9 +30,8 @@ static scene scene_make(kind which, int run, uint64_t* seed) {
     b->mass[2] = 0.1;
     build_finish(b);
     assert_int_equal(ancf_table_create(&s.t, b->m), ANCF_OK);
-    s.before = calloc(6 * (size_t)b->stride, sizeof *s.before);
+    s.before = velocity_before(b);
     s.shift = s.before + 3 * b->stride;
-    memcpy(s.before, b->v, 3 * (size_t)b->stride * sizeof *s.before);
     ancf_table_clear(s.t);
     for (int i = 0; i < s.n_bodies; ++i) {
         const double mass = which == LIGHT ? 1e-4 : which == HEAVY ? 100.0 : random_magnitude(seed, 1e-2, 1.0);

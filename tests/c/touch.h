@@ -84,6 +84,14 @@ static inline solid random_solid(uint64_t* seed, double mass, double inertia) {
     return s;
 }
 
+// The velocities of now, and behind them an empty field of displacements; to be freed.
+static inline double* velocity_before(const built* b) {
+    const size_t n = 3 * (size_t)b->stride;
+    double* before = calloc(2 * n, sizeof *before);
+    memcpy(before, b->v, n * sizeof *before);
+    return before;
+}
+
 static inline void body_point_velocity(double v[3], const ancf_body* b, const double arm[3]) {
     cross(v, b->spin, arm);
     for (int i = 0; i < 3; ++i) v[i] += b->velocity[i];

@@ -150,8 +150,8 @@ class Net(Structure):
         the diagonal.
 
         mass [kg], radius [m], speed [m/s], angle [rad] between velocity and normal; material: of
-        the balls, None: the net's. Their ids are in `bullets` once the net is appended. Cable
-        points at the corner and those inside a ball at the start never touch it.
+        the balls, None: the net's. Their ids are in `bullets` once the net is appended.
+        Elements that meet at the corner, and those that reach into a ball at the start, never touch it.
         """
         name = f"{self.name}.addBullets"
         if not self.corners:

@@ -21,8 +21,9 @@ typedef struct {
 bool ancf_cross_neighbours(const ancf_cover* first, double xi, double length1, const ancf_cover* second, double eta,
                            double length2);
 
-// Adds to the table the contacts of all pairs whose gap may close in 1.5 steps at the present speeds. laws: (kinds x
-// kinds). Returns their number; -1: out of memory. What is `friction` of a contact is taken from `last`, (n_last).
+// Adds to the table the contacts of all pairs whose gap in the middle of the step may close in three quarters of a step
+// at the present speeds. laws: (kinds x kinds). Returns their number; -1: out of memory. What is `friction` of a
+// contact is taken from `last`, (n_last).
 int ancf_cross_add(ancf_table* table, ancf_boxes* boxes, const ancf_cover* cover, const ancf_model* m,
                    const ancf_laws* laws, int kinds, double step, const ancf_memory* last, int n_last);
 

@@ -36,11 +36,11 @@ void ancf_cubic_slope(double dr[3], const ancf_cubic* c, double xi); // dr/dxi
 int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segments, double radius,
                        const ancf_solid* solid, double reach);
 
-// No distance between two centrelines is smaller; cheaper than finding the smallest [m].
-double ancf_cubic_clearance(const ancf_cubic* first, const ancf_cubic* second);
-
 // The same for two elements: each segment of the first against the whole of the second.
 int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int segments, double radius1,
                        const ancf_cubic* second, double radius2, double reach);
+
+// No distance between two centrelines is smaller; cheaper than finding the smallest [m].
+double ancf_cubic_clearance(const ancf_cubic* first, const ancf_cubic* second);
 
 #endif
