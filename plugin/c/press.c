@@ -191,18 +191,21 @@ static double press_round(ancf_table* t, double h, double rest, bool first, doub
     return change;
 }
 
-// Moves the arm of the second side on by a time: its end goes with the first side.
-static void swing(const ancf_table* t, ancf_contact* c, double time) {
-    double v[3];
+// Moves the arm of the second side on by a time: its end goes with the first side. Positions go through the whole step
+// at velocities that have the accelerations in them; those of the table have them from `until` of it on.
+static void swing(const ancf_table* t, ancf_contact* c, double time, double until) {
+    double v[3], a[3];
     if (c->side[1].body < 0) return;
     ancf_table_going(v, t, c);
-    for (int k = 0; k < 3; k++) c->side[1].arm[k] += time * v[k];
+    ancf_table_changing(a, t, c);
+    for (int k = 0; k < 3; k++) c->side[1].arm[k] += time * (v[k] + until * a[k]);
 }
 
-static void substep(ancf_table* t, double h, double at, double rest, double since) {
+// h: its length; at: its middle; since: the time from the last one's middle; until: from its start to the step's middle.
+static void substep(ancf_table* t, double h, double at, double rest, double since, double until) {
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
-        swing(t, c, since);
+        swing(t, c, since, until);
         c->speed = along_normal(t, c);
         c->force = 0.0;
     }
@@ -214,7 +217,6 @@ static void substep(ancf_table* t, double h, double at, double rest, double sinc
         const double way = 0.5 * h * (c->speed + along_normal(t, c));
         c->impulse += h * c->force;
         c->late += h * c->force * at;
-        for (int k = 0; k < 3; k++) c->swung[k] += h * c->force * (c->side[1].arm[k] - c->start[k]);
         c->gap += way;
         c->damped -= (c->force - c->elastic) * way;
         c->depth = fmax(c->depth, -c->gap);
@@ -226,7 +228,7 @@ void ancf_table_press(ancf_table* t, double step, int substeps) {
     if (substeps) ancf_table_speed_up(t, -0.5 * step); // from the middle of the step to its start
     for (int s = 0; s < substeps; ++s) {
         const double at = (s + 0.5) * h;
-        substep(t, h, at, step - at, s ? h : 0.5 * h);
+        substep(t, h, at, step - at, s ? h : 0.5 * h, 0.5 * step - s * h);
     }
     if (substeps) ancf_table_speed_up(t, -0.5 * step);
     for (int i = 0; i < t->n_contacts; ++i) {
@@ -234,5 +236,6 @@ void ancf_table_press(ancf_table* t, double step, int substeps) {
         c->energy = ancf_normal_energy(&c->law, -c->gap);
         if (substeps == 0) c->gap += step * along_normal(t, c);
         memcpy(c->side[1].arm, c->start, sizeof c->start);
+        ancf_table_going(c->going, t, c);
     }
 }

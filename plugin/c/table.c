@@ -206,7 +206,6 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
         c->own = ancf_table_compliance(t, c, c->normal);
         c->impulse = c->late = c->force = c->energy = c->damped = c->rubbed = 0.0;
         memcpy(c->start, c->side[1].arm, sizeof c->start);
-        c->swung[0] = c->swung[1] = c->swung[2] = 0.0;
         c->guess[0] = c->guess[1] = c->guess[2] = 0.0;
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
     }
@@ -280,12 +279,22 @@ void ancf_table_slip(double v[3], const ancf_table* t, const ancf_contact* c) {
     }
 }
 
+static const double* velocity_at(const ancf_table* t, const ancf_side* side) {
+    return side->place >= 0 ? t->place[side->place].velocity : t->body[side->body].velocity;
+}
+
+static const double* acceleration_at(const ancf_table* t, const ancf_side* side) {
+    return side->place >= 0 ? t->place[side->place].acceleration : t->body[side->body].acceleration;
+}
+
 void ancf_table_going(double v[3], const ancf_table* t, const ancf_contact* c) {
-    const ancf_side *first = &c->side[0], *second = &c->side[1];
-    const double* there = first->place >= 0 ? t->place[first->place].velocity : t->body[first->body].velocity;
-    if (second->body < 0) return;
-    const double* here = second->place >= 0 ? t->place[second->place].velocity : t->body[second->body].velocity;
+    const double *there = velocity_at(t, &c->side[0]), *here = velocity_at(t, &c->side[1]);
     for (int i = 0; i < 3; i++) v[i] = there[i] - here[i];
+}
+
+void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c) {
+    const double *there = acceleration_at(t, &c->side[0]), *here = acceleration_at(t, &c->side[1]);
+    for (int i = 0; i < 3; i++) a[i] = there[i] - here[i];
 }
 
 static double body_compliance(const ancf_body* b, const double arm[3], const double direction[3]) {
@@ -315,12 +324,12 @@ double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const d
     return w > 0.0 ? w : 0.0;
 }
 
-// What the end of the step sees of a normal force is an arm that has moved, up to its time, at the velocity of the end.
+// Friction came after the normal forces and acts from the start of the step: it has moved what they acted on by then.
 static void twist_late(ancf_table* t, const ancf_contact* c) {
     double arm[3], twist[3], spin[3];
     if (c->late == 0.0 || c->side[1].body < 0) return;
     ancf_table_going(arm, t, c);
-    for (int i = 0; i < 3; i++) arm[i] = c->late * arm[i] - c->swung[i];
+    for (int i = 0; i < 3; i++) arm[i] = c->late * (arm[i] - c->going[i]);
     ancf_cross(twist, c->normal, arm);
     ancf_body* b = &t->body[c->side[1].body];
     ancf_multiply(spin, b->inv_inertia, twist);

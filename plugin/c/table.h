@@ -61,8 +61,10 @@ void ancf_table_kick(ancf_table* t, const ancf_contact* c, const double impulse[
 // Lets the accelerations of places and bodies act for a time.
 void ancf_table_speed_up(ancf_table* t, double time);
 
-// Velocity of the first side's place or body against the second body [m/s]; the second must have one.
+// Velocity of the first side's place or body against the second side's [m/s], and its acceleration without what is in
+// the table [m/s2].
 void ancf_table_going(double v[3], const ancf_table* t, const ancf_contact* c);
+void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c);
 
 // Velocity at a side by a unit impulse along a unit vector at it, along that vector [1/kg].
 double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const double direction[3]);

@@ -71,7 +71,7 @@ typedef struct {
     double own;            // velocity along the normal by a unit impulse along it [1/kg]
     double speed, elastic; // of the sub-step [m/s], [N]
     double start[3];       // arm of the second side at the start [m]
-    double swung[3];       // impulse times how far its arm on the second side had moved [N s m]
+    double going[3];       // velocity of the first side's place or position against the second's before friction [m/s]
     double late;           // impulse, each part times the time from the start of the step to it [N s2]
 } ancf_contact;
 
