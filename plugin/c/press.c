@@ -201,7 +201,8 @@ static void swing(const ancf_table* t, ancf_contact* c, double time, double unti
     for (int k = 0; k < 3; k++) c->side[1].arm[k] += time * (v[k] + until * a[k]);
 }
 
-// h: its length; at: its middle; since: the time from the last one's middle; until: from its start to the step's middle.
+// h: its length; at: its middle; since: the time from the last one's middle; until: from its start to the step's
+// middle.
 static void substep(ancf_table* t, double h, double at, double rest, double since, double until) {
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];

@@ -279,12 +279,16 @@ void ancf_table_slip(double v[3], const ancf_table* t, const ancf_contact* c) {
     }
 }
 
+static const double still[3] = {0.0, 0.0, 0.0}; // a side that is neither a place nor a body
+
 static const double* velocity_at(const ancf_table* t, const ancf_side* side) {
-    return side->place >= 0 ? t->place[side->place].velocity : t->body[side->body].velocity;
+    if (side->place >= 0) return t->place[side->place].velocity;
+    return side->body >= 0 ? t->body[side->body].velocity : still;
 }
 
 static const double* acceleration_at(const ancf_table* t, const ancf_side* side) {
-    return side->place >= 0 ? t->place[side->place].acceleration : t->body[side->body].acceleration;
+    if (side->place >= 0) return t->place[side->place].acceleration;
+    return side->body >= 0 ? t->body[side->body].acceleration : still;
 }
 
 void ancf_table_going(double v[3], const ancf_table* t, const ancf_contact* c) {

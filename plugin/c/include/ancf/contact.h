@@ -46,7 +46,7 @@ typedef struct {
     double shift[3], turn[3];    // how far they move and turn it by the end of the step [m], [rad]
 } ancf_body;
 
-// One side of a contact: a place, a body, or a body that moves with a knot and turns by itself.
+// One side of a contact: a place, a body, a body that moves with a knot and turns by itself, or none: it stands still.
 typedef struct {
     int place; // number in the table, -1: none
     int body;
