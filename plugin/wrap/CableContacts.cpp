@@ -410,11 +410,7 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
     }
     memory.resize(static_cast<size_t>(n - firstCrossing));
     memory.resize(static_cast<size_t>(ancf_cross_keep(memory.data(), t, firstCrossing, n)));
-    for (int i = 0; i < ancf_table_places(t); ++i) { // what the reactions are found from
-        const ancf_place& p = *ancf_table_place(t, i);
-        const Vector3r force = vectorOf(p.impulse) / ancf_acting(&time);
-        ancf_model_add_force(m, m->f, p.element, p.xi, force.data());
-    }
+    ancf_table_forces(t, m, ancf_acting(&time), m->f); // what the reactions are found from
     int coupling = 0;
     for (size_t i = 0; i < cable.carryIds.size(); ++i) {
         if (cable.carrierOf(cable.carryIds[i]) < 0) {
