@@ -20,12 +20,12 @@ static void project(double v[3], const double normal[3]) {
 // Velocity of the first side against the second where they touch.
 static void slip_of(double v[3], const ancf_table* t, const ancf_contact* c) {
     ancf_table_slip(v, t, c);
-    if (c->radius[0] > 0.0) ancf_lever_slip(v, t, c);
+    if (ancf_lever_has(c)) ancf_lever_slip(v, t, c);
 }
 
 static void rub(ancf_table* t, const ancf_contact* c, const double impulse[3], double step) {
     ancf_table_kick(t, c, impulse, step);
-    if (c->radius[0] > 0.0) ancf_lever_kick(t, c, impulse);
+    if (ancf_lever_has(c)) ancf_lever_kick(t, c, impulse);
 }
 
 // Mean over the tangent plane of a body's response at the point, half the trace of P (M^-1 - [a] I^-1 [a]) P [1/kg].
@@ -48,7 +48,7 @@ static double body_across(const ancf_body* b, const double arm[3], const double 
 // Effective inverse mass across the normal [1/kg]. It need not be exact: friction that solves the equation does so with
 // any (rub_one).
 static double across(const ancf_table* t, const ancf_contact* c) {
-    if (c->radius[0] > 0.0) return ancf_lever_across(t, c);
+    if (ancf_lever_has(c)) return ancf_lever_across(t, c);
     double w = 0.0;
     for (int s = 0; s < 2; ++s) {
         if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;

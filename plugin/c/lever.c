@@ -17,6 +17,10 @@
 // Part of both radii below which the smallest part of G counts less and less: cables within 26 degrees.
 static const double smallest = 0.05;
 
+enum { ROUNDS = 8 };
+
+static const double rounding = 1e-15;
+
 static void unit(double t[3], const double v[3]) {
     const double size = sqrt(ancf_dot(v, v));
     for (int i = 0; i < 3; i++) t[i] = size > 0.0 ? v[i] / size : 0.0;
@@ -107,42 +111,47 @@ double ancf_lever_across(const ancf_table* t, const ancf_contact* c) {
     return 0.5 * sum;
 }
 
-// Moment of what has acted on both sides of a contact, without couples.
-static void moment_of(double moment[3], const ancf_table* t, const ancf_contact* c) {
-    double going[3];
-    ancf_table_going(going, t, c);
-    for (int i = 0; i < 3; i++) going[i] = c->impulse * c->apart[i] + c->late * going[i];
-    ancf_cross(moment, going, c->normal);
+// Turns the normal impulse into the line between the centrelines at the time when it acts on average. Returns the
+// square of its change as part of it.
+static double turn_normal(ancf_table* t, ancf_contact* c, double step) {
+    double line[3], change[3];
+    const double at = c->late / c->impulse;
+    ancf_table_going(line, t, c);
+    for (int i = 0; i < 3; i++) line[i] = c->apart[i] + at * line[i];
+    unit(line, line);
+    if (ancf_dot(line, c->normal) < 0.0)
+        for (int i = 0; i < 3; i++) line[i] = -line[i];
+    for (int i = 0; i < 3; i++) {
+        change[i] = c->impulse * (line[i] - c->line[i]);
+        c->line[i] = line[i];
+    }
+    ancf_table_kick(t, c, change, step - at);
+    return ancf_dot(change, change) / (c->impulse * c->impulse);
 }
 
-// What is missing of a moment if it is balanced by couples.
-static void add_left(ancf_table* t, const ancf_contact* c, const double moment[3]) {
-    double w[2][3], twist[3];
+// The moment of friction that couples do not balance.
+static void add_left(ancf_table* t, const ancf_contact* c, double step) {
+    double w[2][3], twist[3], moment[3];
+    ancf_cross(moment, c->apart, c->friction);
     couples(w, t, c, moment);
-    for (int i = 0; i < 3; i++) t->left[i] += moment[i];
+    for (int i = 0; i < 3; i++) t->left[i] += step * moment[i];
     for (int s = 0; s < 2; ++s) {
         ancf_cross(twist, t->place[c->side[s].place].slope, w[s]);
-        for (int i = 0; i < 3; i++) t->left[i] += twist[i];
+        for (int i = 0; i < 3; i++) t->left[i] += step * twist[i];
     }
 }
 
-// Couples move the centrelines too, a second time by as little as the moments are small.
 void ancf_lever_balance(ancf_table* t, double step) {
-    for (int pass = 0; pass < 2; ++pass)
+    double change = 1.0;
+    for (int round = 0; round < ROUNDS && change > rounding * rounding; ++round) {
+        change = 0.0;
         for (int k = 0; k < t->n_contacts; ++k) {
             ancf_contact* c = &t->contact[k];
-            if (!(c->radius[0] > 0.0) || !(c->impulse > 0.0)) continue;
-            double moment[3], w[2][3];
-            moment_of(moment, t, c);
-            for (int i = 0; i < 3; i++) moment[i] -= c->balanced[i];
-            couples(w, t, c, moment);
-            for (int s = 0; s < 2; ++s) ancf_table_kick_slope(t, c->side[s].place, w[s]);
-            for (int i = 0; i < 3; i++) c->balanced[i] += moment[i];
-            if (pass == 0) continue;
-            double rubbed[3], P[3];
-            for (int i = 0; i < 3; i++) P[i] = step * c->friction[i];
-            ancf_cross(rubbed, c->apart, P);
-            for (int i = 0; i < 3; i++) moment[i] = c->balanced[i] + rubbed[i];
-            add_left(t, c, moment);
+            if (c->radius[0] > 0.0 && c->impulse > 0.0) change = fmax(change, turn_normal(t, c, step));
         }
+    }
+    for (int k = 0; k < t->n_contacts; ++k) {
+        const ancf_contact* c = &t->contact[k];
+        if (ancf_lever_has(c) && c->impulse > 0.0) add_left(t, c, step);
+    }
 }

@@ -4,6 +4,11 @@
 
 #include "table.h"
 
+// Whether couples go with a contact's friction.
+static inline bool ancf_lever_has(const ancf_contact* c) {
+    return c->radius[0] > 0.0 && c->rub.kind != ANCF_FRICTION_NONE;
+}
+
 // Gets a contact of two places that take couples ready.
 void ancf_lever_prepare(const ancf_table* t, ancf_contact* c);
 
@@ -17,8 +22,8 @@ void ancf_lever_slip(double v[3], const ancf_table* t, const ancf_contact* c);
 // Mean over the tangent plane of the slip by a unit impulse along it [1/kg].
 double ancf_lever_across(const ancf_table* t, const ancf_contact* c);
 
-// Balances the moments of the normal impulses, whose line is beside the centrelines by what these move in a step.
-// Adds up in t->left what no couple can balance, of friction too.
+// Normal impulses act along the line between the centrelines, that turns as these move in a step. Adds up in t->left
+// what of friction's moments no couple can balance.
 void ancf_lever_balance(ancf_table* t, double step);
 
 #endif

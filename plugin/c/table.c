@@ -232,9 +232,10 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
         c->own = ancf_table_compliance(t, c, c->normal);
         c->impulse = c->late = c->force = c->energy = c->damped = c->rubbed = 0.0;
         memcpy(c->start, c->side[1].arm, sizeof c->start);
-        for (int k = 0; k < 3; k++) c->guess[k] = c->balanced[k] = 0.0;
+        memcpy(c->line, c->normal, sizeof c->line);
+        for (int k = 0; k < 3; k++) c->guess[k] = 0.0;
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
-        if (c->radius[0] > 0.0) ancf_lever_prepare(t, c);
+        if (ancf_lever_has(c)) ancf_lever_prepare(t, c);
     }
     t->left[0] = t->left[1] = t->left[2] = 0.0;
     return ANCF_OK;
@@ -397,7 +398,7 @@ static void twist_late(ancf_table* t, const ancf_contact* c) {
 static bool any(const double v[3]) { return v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0; }
 
 void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
-    if (t->slopes) ancf_lever_balance(t, step);
+    ancf_lever_balance(t, step);
     for (int i = 0; i < t->n_contacts; ++i) twist_late(t, &t->contact[i]);
     for (int i = 0; i < t->n_places; ++i) {
         const ancf_place* p = &t->place[i];

@@ -332,6 +332,9 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time) {
     cable.sweeps = ancf_table_rub(t, time.step, &cable.frictionLeft);
     if (cable.sweeps > 0) ancf_table_couple(t, time.step);
     ancf_table_apply(t, m, time.step, after.data(), shift.data());
+    Real twist[3];
+    ancf_table_twist_left(twist, t);
+    cable.twistLeft += vectorOf(twist);
 }
 
 string CableContacts::nameOf(const CableEngine& cable, int contact) const {

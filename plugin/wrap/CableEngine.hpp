@@ -147,6 +147,7 @@ public:
         ((int, contactSteps, 0, Attr::readonly, "Sub-steps of the contacts in the last step; 0: nothing could touch."))
         ((int, sweeps, 0, Attr::readonly, "Gauss-Seidel sweeps over the friction of the last step."))
         ((Real, frictionLeft, 0, Attr::readonly, "Change of friction in the last sweep, as part of the largest friction force [-]."))
+        ((Vector3r, twistLeft, Vector3r::Zero(), Attr::readonly, "Moment of friction between cables that are nearly parallel, summed up over time: it would twist them, and a cable has no torsion to take it [N m s]."))
         ((Real, maxPenetration, 0, Attr::readonly, "Deepest penetration of a place so far [m]."))
         ((vector<int>, crossPairs, , Attr::hidden, "Contacts between cables that the next step remembers: element, element, segment."))
         ((vector<Vector3r>, crossFriction, , Attr::hidden, "Their friction [N]."))

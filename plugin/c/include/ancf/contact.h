@@ -80,7 +80,7 @@ typedef struct {
     double radius[2];      // of two cables: how far from their centrelines they touch; else 0 [m]
     double apart[3];       // and from the second's place to the first's, at the start of the step [m]
     double lever[9];       // turning by a moment, see lever.c [1/m]
-    double balanced[3];    // moment of normal impulses that couples balance [N m s]
+    double line[3];        // direction in which the normal impulse acts in the end
     double going[3];       // velocity of the first side's place or position against the second's before friction [m/s]
     double late;           // impulse, each part times the time from the start of the step to it [N s2]
 } ancf_contact;
