@@ -17,9 +17,8 @@
 // Part of both radii below which the smallest part of G counts less and less: cables within 26 degrees.
 static const double smallest = 0.05;
 
-enum { ROUNDS = 8 };
-
-static const double rounding = 1e-15;
+// Couples move the centrelines too, each time by much less.
+enum { PASSES = 3 };
 
 static void unit(double t[3], const double v[3]) {
     const double size = sqrt(ancf_dot(v, v));
@@ -67,7 +66,7 @@ static void couples(double w[2][3], const ancf_table* t, const ancf_contact* c, 
 
 void ancf_lever_kick(ancf_table* t, const ancf_contact* c, const double impulse[3]) {
     double w[2][3], moment[3];
-    ancf_cross(moment, c->apart, impulse);
+    ancf_cross(moment, c->start, impulse);
     couples(w, t, c, moment);
     for (int s = 0; s < 2; ++s) ancf_table_kick_slope(t, c->side[s].place, w[s]);
 }
@@ -81,7 +80,7 @@ void ancf_lever_slip(double v[3], const ancf_table* t, const ancf_contact* c) {
         for (int i = 0; i < 3; i++) sum[i] += size * turning[i];
     }
     ancf_multiply(turning, c->lever, sum);
-    ancf_cross(more, c->apart, turning);
+    ancf_cross(more, c->start, turning);
     for (int i = 0; i < 3; i++) v[i] += more[i];
 }
 
@@ -98,7 +97,7 @@ double ancf_lever_across(const ancf_table* t, const ancf_contact* c) {
     ancf_cross(f[1], n, f[0]);
     for (int k = 0; k < 2; ++k) {
         double w[2][3], moment[3];
-        ancf_cross(moment, c->apart, f[k]);
+        ancf_cross(moment, c->start, f[k]);
         couples(w, t, c, moment);
         for (int s = 0; s < 2; ++s) {
             const double sign = s ? -1.0 : 1.0;
@@ -111,47 +110,45 @@ double ancf_lever_across(const ancf_table* t, const ancf_contact* c) {
     return 0.5 * sum;
 }
 
-// Turns the normal impulse into the line between the centrelines at the time when it acts on average. Returns the
-// square of its change as part of it.
-static double turn_normal(ancf_table* t, ancf_contact* c, double step) {
-    double line[3], change[3];
-    const double at = c->late / c->impulse;
-    ancf_table_going(line, t, c);
-    for (int i = 0; i < 3; i++) line[i] = c->apart[i] + at * line[i];
-    unit(line, line);
-    if (ancf_dot(line, c->normal) < 0.0)
-        for (int i = 0; i < 3; i++) line[i] = -line[i];
-    for (int i = 0; i < 3; i++) {
-        change[i] = c->impulse * (line[i] - c->line[i]);
-        c->line[i] = line[i];
-    }
-    ancf_table_kick(t, c, change, step - at);
-    return ancf_dot(change, change) / (c->impulse * c->impulse);
-}
-
-// The moment of friction that couples do not balance.
-static void add_left(ancf_table* t, const ancf_contact* c, double step) {
-    double w[2][3], twist[3], moment[3];
-    ancf_cross(moment, c->apart, c->friction);
+// What is missing of a moment if couples balance it.
+static void add_left(ancf_table* t, const ancf_contact* c, const double moment[3]) {
+    for (int i = 0; i < 3; i++) t->left[i] += moment[i];
+    if (!ancf_lever_has(c)) return;
+    double w[2][3], twist[3];
     couples(w, t, c, moment);
-    for (int i = 0; i < 3; i++) t->left[i] += step * moment[i];
     for (int s = 0; s < 2; ++s) {
         ancf_cross(twist, t->place[c->side[s].place].slope, w[s]);
-        for (int i = 0; i < 3; i++) t->left[i] += step * twist[i];
+        for (int i = 0; i < 3; i++) t->left[i] += twist[i];
     }
+}
+
+// Balances what friction has added to the moment of the normal impulses, but for what couples have balanced.
+static void balance(ancf_table* t, ancf_contact* c) {
+    double moment[3], more[3], w[2][3];
+    ancf_table_going(more, t, c);
+    for (int i = 0; i < 3; i++) more[i] -= c->going[i];
+    ancf_cross(moment, more, c->late);
+    for (int i = 0; i < 3; i++) {
+        more[i] = moment[i] - c->balanced[i];
+        c->balanced[i] = moment[i];
+    }
+    if (!ancf_lever_has(c)) return;
+    couples(w, t, c, more);
+    for (int s = 0; s < 2; ++s) ancf_table_kick_slope(t, c->side[s].place, w[s]);
 }
 
 void ancf_lever_balance(ancf_table* t, double step) {
-    double change = 1.0;
-    for (int round = 0; round < ROUNDS && change > rounding * rounding; ++round) {
-        change = 0.0;
+    for (int pass = 0; pass < PASSES; ++pass)
         for (int k = 0; k < t->n_contacts; ++k) {
             ancf_contact* c = &t->contact[k];
-            if (c->radius[0] > 0.0 && c->impulse > 0.0) change = fmax(change, turn_normal(t, c, step));
+            if (c->radius[0] > 0.0 && c->impulse > 0.0) balance(t, c);
         }
-    }
     for (int k = 0; k < t->n_contacts; ++k) {
         const ancf_contact* c = &t->contact[k];
-        if (ancf_lever_has(c) && c->impulse > 0.0) add_left(t, c, step);
+        if (!(c->radius[0] > 0.0) || !(c->impulse > 0.0)) continue;
+        double moment[3];
+        ancf_cross(moment, c->start, c->friction);
+        for (int i = 0; i < 3; i++) moment[i] = step * moment[i] + c->balanced[i];
+        add_left(t, c, moment);
     }
 }

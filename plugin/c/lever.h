@@ -22,8 +22,8 @@ void ancf_lever_slip(double v[3], const ancf_table* t, const ancf_contact* c);
 // Mean over the tangent plane of the slip by a unit impulse along it [1/kg].
 double ancf_lever_across(const ancf_table* t, const ancf_contact* c);
 
-// Normal impulses act along the line between the centrelines, that turns as these move in a step. Adds up in t->left
-// what of friction's moments no couple can balance.
+// Friction acts from the start of the step: balances the moments of the normal impulses that act later, where it has
+// moved the centrelines. Adds up in t->left what no couple can balance of all moments.
 void ancf_lever_balance(ancf_table* t, double step);
 
 #endif

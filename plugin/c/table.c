@@ -230,10 +230,10 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         c->own = ancf_table_compliance(t, c, c->normal);
-        c->impulse = c->late = c->force = c->energy = c->damped = c->rubbed = 0.0;
+        c->impulse = c->force = c->energy = c->damped = c->rubbed = 0.0;
         memcpy(c->start, c->side[1].arm, sizeof c->start);
         memcpy(c->line, c->normal, sizeof c->line);
-        for (int k = 0; k < 3; k++) c->guess[k] = 0.0;
+        for (int k = 0; k < 3; k++) c->guess[k] = c->late[k] = c->balanced[k] = 0.0;
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
         if (ancf_lever_has(c)) ancf_lever_prepare(t, c);
     }
@@ -383,10 +383,10 @@ double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const d
 // Friction came after the normal forces and acts from the start of the step: it has moved what they acted on by then.
 static void twist_late(ancf_table* t, const ancf_contact* c) {
     double arm[3], twist[3], spin[3];
-    if (c->late == 0.0 || c->side[1].body < 0) return;
+    if (c->impulse == 0.0 || c->side[1].body < 0) return;
     ancf_table_going(arm, t, c);
-    for (int i = 0; i < 3; i++) arm[i] = c->late * (arm[i] - c->going[i]);
-    ancf_cross(twist, c->normal, arm);
+    for (int i = 0; i < 3; i++) arm[i] -= c->going[i];
+    ancf_cross(twist, c->late, arm);
     ancf_body* b = &t->body[c->side[1].body];
     ancf_multiply(spin, b->inv_inertia, twist);
     for (int i = 0; i < 3; i++) {

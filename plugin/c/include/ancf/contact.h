@@ -56,7 +56,8 @@ typedef struct {
 typedef struct {
     int place; // number in the table, -1: none
     int body;
-    double arm[3]; // from the body's position to where forces act on it, at the start of the step [m]
+    double
+        arm[3]; // from its position to where forces act, at the start of the step; of a second cable to the first [m]
 } ancf_side;
 
 typedef struct {
@@ -78,11 +79,11 @@ typedef struct {
     double speed, elastic; // of the sub-step [m/s], [N]
     double start[3];       // arm of the second side at the start [m]
     double radius[2];      // of two cables: how far from their centrelines they touch; else 0 [m]
-    double apart[3];       // and from the second's place to the first's, at the start of the step [m]
     double lever[9];       // turning by a moment, see lever.c [1/m]
-    double line[3];        // direction in which the normal impulse acts in the end
+    double line[3];        // normal in the middle of the step
+    double balanced[3];    // moment of normal impulses that friction has added and couples balance [N m s]
     double going[3];       // velocity of the first side's place or position against the second's before friction [m/s]
-    double late;           // impulse, each part times the time from the start of the step to it [N s2]
+    double late[3];        // normal impulse, each part times the time from the start of the step to it [N s2]
 } ancf_contact;
 
 // A knot that goes on together with a point of a body (Eq. 5, multipliers solved for).
