@@ -349,8 +349,9 @@ string CableContacts::nameOf(const CableEngine& cable, int contact) const {
 // ---------------------------------------------------------------- given back
 
 // Forces to the bodies, for whoever integrates them; the rest of what moved them within the step to their places.
-void CableContacts::giveBodies(const CableEngine& cable) const {
+void CableContacts::giveBodies(const CableEngine& cable) {
     Scene& s = *cable.scene;
+    lifted = 0;
     for (size_t i = 0; i < entries.size(); ++i) {
         const ancf_body& b = *ancf_table_body(table.get(), static_cast<int>(i));
         const Body& body = *(*s.bodies)[entries[i].id];
@@ -367,7 +368,9 @@ void CableContacts::giveBodies(const CableEngine& cable) const {
         if (carried) continue;
         if (!driven)
             for (int c = 0; c < 3; ++c) body.state->vel[c] += s.dt * b.inv_mass[c] * left.force[c];
-        body.state->pos += vectorOf(b.shift) - s.dt * (vectorOf(b.velocity) - entries[i].before);
+        const Vector3r more = vectorOf(b.shift) - s.dt * (vectorOf(b.velocity) - entries[i].before);
+        body.state->pos += more;
+        lifted -= body.state->mass * cable.gravity.dot(more);
     }
 }
 
@@ -396,6 +399,7 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
     ancf_model* m = cable.theModel();
     ancf_table* t = table.get();
     if (!way) {
+        lifted = 0;
         cable.contacts = 0;
         memory.clear();
         giveRows(cable);

@@ -83,6 +83,7 @@ typedef struct {
     double gravity[3];
     bool track;          // damping_work is wanted
     double damping_work; // taken out by Kelvin-Voigt forces so far [J]
+    double damping_half; // of that, before the positions that the last step started from [J]
 
     double *x, *v;    // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
     double* external; // (3 x stride) forces that act besides those computed here [N, N m]
