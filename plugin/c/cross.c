@@ -29,10 +29,17 @@ static int compare(const ancf_memory* m, const int key[3]) {
 }
 
 // Walks on in the sorted memory to a contact's own entry.
-static void recall(double friction[3], const int key[3], const ancf_memory** last, const ancf_memory* end) {
-    while (*last < end && compare(*last, key) < 0) ++*last;
-    const bool found = *last < end && compare(*last, key) == 0;
-    for (int i = 0; i < 3; i++) friction[i] = found ? (*last)->friction[i] : 0.0;
+static void recall(ancf_contact* c, const ancf_model* m, const ancf_memory** last, const ancf_memory* end) {
+    while (*last < end && compare(*last, c->key) < 0) ++*last;
+    if (*last == end || compare(*last, c->key) != 0) return;
+    const ancf_memory* own = *last;
+    double a[2][3];
+    for (int s = 0; s < 2; ++s) ancf_model_at(a[s], m, m->a, c->key[s], own->xi[s]);
+    for (int i = 0; i < 3; i++) {
+        c->friction[i] = own->friction[i];
+        a[0][i] -= a[1][i];
+    }
+    c->owed = ancf_owed(own->owed, own->late, a[0]);
 }
 
 // How near a pair has to be to be looked at in a step [m].
@@ -93,7 +100,7 @@ static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const anc
     }
     for (int i = 0; i < 3; i++) c.side[1].arm[i] = x[0][i] - x[1][i];
     memcpy(c.normal, at->normal, sizeof c.normal);
-    recall(c.friction, c.key, last, end);
+    recall(&c, m, last, end);
     return ancf_table_add_contact(table, &c) < 0 ? -1 : 1;
 }
 
@@ -130,9 +137,12 @@ int ancf_cross_keep(ancf_memory* memory, ancf_table* table, int begin, int end) 
     int n = 0;
     for (int i = begin; i < end; ++i) {
         const ancf_contact* c = ancf_table_contact(table, i);
-        if (c->friction[0] == 0.0 && c->friction[1] == 0.0 && c->friction[2] == 0.0) continue;
-        memory[n] = (ancf_memory) {.first = c->key[0], .second = c->key[1], .segment = c->key[2]};
-        memcpy(memory[n++].friction, c->friction, sizeof c->friction);
+        if (c->impulse == 0.0 && c->owed == 0.0) continue;
+        ancf_memory* own = &memory[n++];
+        *own = (ancf_memory) {.first = c->key[0], .second = c->key[1], .segment = c->key[2], .owed = c->owed};
+        for (int s = 0; s < 2; ++s) own->xi[s] = ancf_table_place(table, c->side[s].place)->xi;
+        memcpy(own->friction, c->friction, sizeof c->friction);
+        memcpy(own->late, c->late, sizeof c->late);
     }
     return n;
 }

@@ -11,6 +11,9 @@ static const double substep_frequency = 0.4;
 
 static const double substeps_largest = 1e6;
 
+// Part of a contact's force, and of what stops it in a sub-step, that gives back what it owes.
+static const double repaid_part = 0.1;
+
 enum { ROUNDS = 60, TOGETHER = 20 };
 
 // Change of a force, as part of the largest, below which contacts that press on one another are done.
@@ -169,6 +172,14 @@ static void kick_along(ancf_table* t, const ancf_contact* c, double impulse, dou
     ancf_table_kick(t, c, P, rest);
 }
 
+// Force beside that of the law, at the mean velocity of a sub-step, so that its work is what is owed, as far as it
+// changes neither the force nor the velocity by more than a part.
+static double repay(const ancf_contact* c, double force, double speed, double h) {
+    if (c->owed == 0.0 || !(force > 0.0) || speed == 0.0) return 0.0;
+    const double most = repaid_part * fmin(force, c->own > 0.0 ? fabs(speed) / (h * c->own) : force);
+    return fmax(-most, fmin(most, -c->owed / (h * speed)));
+}
+
 // Presses every contact while the others go on as they did in the round before. Returns the largest change of a force,
 // *largest is the largest force. The first round looks at all before any is kicked.
 static double press_round(ancf_table* t, double h, double rest, bool first, double* largest) {
@@ -178,10 +189,11 @@ static double press_round(ancf_table* t, double h, double rest, bool first, doub
         ancf_contact* c = &t->contact[i];
         const double others = along_normal(t, c) - c->speed - h * c->own * c->force;
         const pressing f = press_one(c, c->speed + 0.5 * others, h);
-        const double more = f.total - c->force;
+        c->repaid = repay(c, f.total, c->speed + 0.5 * (others + h * c->own * f.total), h);
+        const double total = f.total + c->repaid, more = total - c->force;
         change = fmax(change, fabs(more));
-        *largest = fmax(*largest, f.total);
-        c->force = f.total;
+        *largest = fmax(*largest, total);
+        c->force = total;
         c->elastic = f.elastic;
         if (!first && more != 0.0) kick_along(t, c, h * more, rest);
     }
@@ -225,7 +237,8 @@ static void substep(ancf_table* t, double h, double at, double rest, double sinc
         c->impulse += h * c->force;
         for (int k = 0; k < 3; k++) c->late[k] += h * c->force * at * c->normal[k];
         c->gap += way;
-        c->damped -= (c->force - c->elastic) * way;
+        c->damped -= (c->force - c->repaid - c->elastic) * way;
+        c->owed += c->repaid * way;
         c->depth = fmax(c->depth, -c->gap);
     }
 }

@@ -230,10 +230,10 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         c->own = ancf_table_compliance(t, c, c->normal);
-        c->impulse = c->force = c->energy = c->damped = c->rubbed = 0.0;
+        c->impulse = c->force = c->repaid = c->energy = c->damped = c->rubbed = 0.0;
         memcpy(c->start, c->side[1].arm, sizeof c->start);
         memcpy(c->line, c->normal, sizeof c->line);
-        for (int k = 0; k < 3; k++) c->guess[k] = c->late[k] = c->balanced[k] = 0.0;
+        for (int k = 0; k < 3; k++) c->guess[k] = c->late[k] = c->balanced[k] = c->changing[k] = 0.0;
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
         if (ancf_lever_has(c)) ancf_lever_prepare(t, c);
     }
@@ -246,6 +246,12 @@ void ancf_table_accelerate(ancf_table* t, const ancf_model* m, const double* acc
         ancf_place* p = &t->place[i];
         value_of(p->acceleration, p->dof, p->S, m, acceleration);
         if (t->slopes) value_of(p->bends, p->dof, p->T, m, acceleration);
+    }
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        for (int s = 0; s < 2; ++s)
+            for (int k = 0; k < 3 && c->side[s].place >= 0; k++)
+                c->changing[k] += (s ? -1.0 : 1.0) * t->place[c->side[s].place].acceleration[k];
     }
 }
 
@@ -392,6 +398,18 @@ static void twist_late(ancf_table* t, const ancf_contact* c) {
     for (int i = 0; i < 3; i++) {
         b->twist[i] += twist[i];
         b->spin[i] += spin[i];
+    }
+}
+
+double ancf_owed(double before, const double late[3], const double changing[3]) {
+    return before + 0.5 * ancf_dot(late, changing);
+}
+
+void ancf_table_owe(ancf_table* t, bool even) {
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        c->owed = even ? c->owed - 0.5 * ancf_dot(c->late, c->changing) : 0.0;
+        for (int k = 0; k < 3 && !even; k++) c->late[k] = 0.0;
     }
 }
 

@@ -236,6 +236,14 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         c.side[1] = sideOf(cable, first, at);
         copy(c.normal, normal);
         copy(c.friction, geom->friction[i]);
+        Vector3r changing = Vector3r::Zero(); // of cables alone: bodies' accelerations change less
+        for (int side = 0; side < 2; ++side) {
+            if (c.side[side].place < 0) continue;
+            const ancf_place& place = *ancf_table_place(table.get(), c.side[side].place);
+            const bool own = side == 0 && element >= 0;
+            changing += (side ? -1 : 1) * placeOf(m, m->a, place.element, own ? geom->xiLast[i] : place.xi);
+        }
+        c.owed = ancf_owed(geom->owed[i], geom->late[i].data(), changing.data());
         // The gap at the start of the step: found for its middle, at the velocities of now.
         c.gap = geom->gap[i] - cable.scene->dt / 2 * normal.dot(speed - velocityAt(*first.state, at));
         added(ancf_table_add_contact(table.get(), &c));
@@ -332,6 +340,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time) {
     cable.sweeps = ancf_table_rub(t, time.step, &cable.frictionLeft);
     if (cable.sweeps > 0) ancf_table_couple(t, time.step);
     ancf_table_apply(t, m, time.step, after.data(), shift.data());
+    ancf_table_owe(t, time.substeps == 1);
     Real twist[3];
     ancf_table_twist_left(twist, t);
     cable.twistLeft += vectorOf(twist);
@@ -385,6 +394,8 @@ void CableContacts::giveRows(const CableEngine& cable) const {
             const Vector3r rubbed = vectorOf(c.friction);
             row.geom->friction[static_cast<size_t>(i - row.begin)] = rubbed;
             row.geom->force[static_cast<size_t>(i - row.begin)] = c.impulse / dt;
+            row.geom->late[static_cast<size_t>(i - row.begin)] = vectorOf(c.late);
+            row.geom->owed[static_cast<size_t>(i - row.begin)] = c.owed;
             friction += rubbed;
             normal += c.impulse / dt * vectorOf(c.normal);
             row.phys->kn += ancf_normal_tangent(&c.law, c.depth);
@@ -450,18 +461,27 @@ void CableContacts::track(Real& elastic, Real& damped, Real& rubbed) const {
 
 // ---------------------------------------------------------------- saved
 
-void CableContacts::keep(vector<int>& pairs, vector<Vector3r>& friction) const {
+void CableContacts::keep(vector<int>& pairs, vector<Real>& values) const {
     for (const ancf_memory& one : memory) {
         pairs.insert(pairs.end(), {one.first, one.second, one.segment});
-        friction.push_back(vectorOf(one.friction));
+        values.insert(values.end(), one.friction, one.friction + 3);
+        values.insert(values.end(), one.xi, one.xi + 2);
+        values.insert(values.end(), one.late, one.late + 3);
+        values.push_back(one.owed);
     }
 }
 
-void CableContacts::remember(const vector<int>& pairs, const vector<Vector3r>& friction) {
+void CableContacts::remember(const vector<int>& pairs, const vector<Real>& values) {
+    constexpr size_t each = 9;
     memory.clear();
-    for (size_t i = 0; i < friction.size() && 3 * i + 2 < pairs.size(); ++i) {
-        memory.push_back({pairs[3 * i], pairs[3 * i + 1], pairs[3 * i + 2], {0, 0, 0}});
-        copy(memory.back().friction, friction[i]);
+    for (size_t i = 0; each * (i + 1) <= values.size() && 3 * (i + 1) <= pairs.size(); ++i) {
+        ancf_memory one {pairs[3 * i], pairs[3 * i + 1], pairs[3 * i + 2], {}, {}, {}, 0};
+        const Real* from = &values[each * i];
+        std::copy(from, from + 3, one.friction);
+        std::copy(from + 3, from + 5, one.xi);
+        std::copy(from + 5, from + 8, one.late);
+        one.owed = from[8];
+        memory.push_back(one);
     }
 }
 

@@ -77,9 +77,9 @@ public:
     void gather(CableEngine& cable);
     void solve(CableEngine& cable, const ancf_time& time);
     void give(CableEngine& cable, const ancf_time& time);
-    void look(CableEngine& cable);                                   // after the step: do the boxes hold?
-    void keep(vector<int>& pairs, vector<Vector3r>& friction) const; // what the next step remembers
-    void remember(const vector<int>& pairs, const vector<Vector3r>& friction);
+    void look(CableEngine& cable);                             // after the step: do the boxes hold?
+    void keep(vector<int>& pairs, vector<Real>& values) const; // what the next step remembers
+    void remember(const vector<int>& pairs, const vector<Real>& values);
 
     const Real* newVelocity() const { return velocity; }
     const Real* displacement() const { return way; }              // besides that velocity times the step; null: none

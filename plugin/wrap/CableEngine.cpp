@@ -52,11 +52,11 @@ namespace {
     }
 } // namespace
 
-void CableEngine::preSave(CableEngine&) { touching.keep(crossPairs, crossFriction); }
+void CableEngine::preSave(CableEngine&) { touching.keep(crossPairs, crossValues); }
 
 void CableEngine::postSave(CableEngine&) {
     crossPairs.clear();
-    crossFriction.clear();
+    crossValues.clear();
 }
 
 void CableEngine::postLoad(CableEngine&) {
@@ -64,7 +64,7 @@ void CableEngine::postLoad(CableEngine&) {
     frictionKind = choose("friction", friction, {"none", "coulomb", "hollars"});
     changed();
     if (crossPairs.empty()) return;
-    touching.remember(crossPairs, crossFriction);
+    touching.remember(crossPairs, crossValues);
     postSave(*this);
 }
 

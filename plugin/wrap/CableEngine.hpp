@@ -150,7 +150,7 @@ public:
         ((Vector3r, twistLeft, Vector3r::Zero(), Attr::readonly, "Moment of friction between cables that are nearly parallel, summed up over time: it would twist them, and a cable has no torsion to take it [N m s]."))
         ((Real, maxPenetration, 0, Attr::readonly, "Deepest penetration of a place so far [m]."))
         ((vector<int>, crossPairs, , Attr::hidden, "Contacts between cables that the next step remembers: element, element, segment."))
-        ((vector<Vector3r>, crossFriction, , Attr::hidden, "Their friction [N]."))
+        ((vector<Real>, crossValues, , Attr::hidden, "Nine values of each: friction [N], places, late impulse [N s²], owed work [J]."))
         ((vector<Real>, openAccounts, , Attr::hidden, "Number of the last step with energies tracked, and what of it the next one counts: height, elastic energy, damping and friction of contacts, damping of cables, lift of bodies [J]."))
         ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
         ,

@@ -165,7 +165,8 @@ bool solidOf(ancf_solid& solid, const Body& body) {
 
 void CableGeom::set(const ancf_nearest* found, int n) {
     const vector<int> before = segment;
-    const vector<Vector3r> kept = friction;
+    const vector<Vector3r> kept = friction, keptLate = late;
+    const vector<Real> keptOwed = owed, keptXi = xi;
     const size_t size = static_cast<size_t>(n);
     segment.resize(size);
     xi.resize(size);
@@ -174,6 +175,9 @@ void CableGeom::set(const ancf_nearest* found, int n) {
     normals.resize(size);
     force.assign(size, 0);
     friction.assign(size, Vector3r::Zero());
+    late.assign(size, Vector3r::Zero());
+    owed.assign(size, 0);
+    xiLast.assign(size, 0);
     size_t nearest = 0;
     for (size_t i = 0, old = 0; i < size; ++i) {
         segment[i] = found[i].segment;
@@ -182,7 +186,12 @@ void CableGeom::set(const ancf_nearest* found, int n) {
         point[i] = vectorOf(found[i].point);
         normals[i] = vectorOf(found[i].normal);
         while (old < before.size() && before[old] < segment[i]) ++old;
-        if (old < before.size() && before[old] == segment[i]) friction[i] = kept[old];
+        if (old < before.size() && before[old] == segment[i]) {
+            friction[i] = kept[old];
+            late[i] = keptLate[old];
+            owed[i] = keptOwed[old];
+            xiLast[i] = keptXi[old];
+        }
         if (gap[i] < gap[nearest]) nearest = i;
     }
     if (n == 0) return;

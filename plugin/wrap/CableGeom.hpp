@@ -34,7 +34,10 @@ public:
         ((vector<Vector3r>, point, , Attr::readonly, "Places on the centreline; centre of the sphere [m]."))
         ((vector<Vector3r>, normals, , Attr::readonly, "Unit vectors from the first body to the second."))
         ((vector<Real>, force, , Attr::readonly, "Normal forces in the last step [N]."))
-        ((vector<Vector3r>, friction, , Attr::readonly, "Forces of friction on the second body in the last step [N].")),
+        ((vector<Vector3r>, friction, , Attr::readonly, "Forces of friction on the second body in the last step [N]."))
+        ((vector<Real>, owed, , Attr::hidden, "Work that the contacts did too much, and give back [J]."))
+        ((vector<Vector3r>, late, , Attr::hidden, "Impulses of the last step, each part times the time from its start to it [N s²]."))
+        ((vector<Real>, xiLast, , Attr::hidden, "`xi` in the last step.")),
         createIndex();
     )
     // clang-format on

@@ -77,6 +77,9 @@ typedef struct {
     double rubbed;         // and by its friction [J]
     double own;            // velocity along the normal by a unit impulse along it [1/kg]
     double speed, elastic; // of the sub-step [m/s], [N]
+    double owed;           // work that it did too much, in: in steps before, out: in all, see ancf_table_owe [J]
+    double repaid;         // part of `force` that gives it back [N]
+    double changing[3];    // acceleration of the first side against the second without what is in the table [m/s2]
     double start[3];       // arm of the second side at the start [m]
     double radius[2];      // of two cables: how far from their centrelines they touch; else 0 [m]
     double lever[9];       // turning by a moment, see lever.c [1/m]
@@ -144,6 +147,13 @@ void ancf_table_couple(ancf_table* table, double rest);
 // what the table's impulses do, and to a field of displacements what they do besides `step` times that velocity (3 x
 // stride each).
 void ancf_table_apply(ancf_table* table, const ancf_model* m, double step, double* velocity, double* shift);
+
+// Contacts act while accelerations are even, those of the start of the step; leapfrog's energy goes with the mean of
+// those at its start and its end. Takes half their moment by those of the start off what is owed; the next step knows
+// the others and puts theirs on, ancf_owed. What is owed then, contacts give back where they press. even: false if the
+// cable takes sub-steps, which is another sum: nothing is owed.
+void ancf_table_owe(ancf_table* table, bool even);
+double ancf_owed(double before, const double late[3], const double changing[3]);
 
 // Adds the table's impulses to a field of forces, over a time [s] (3 x stride).
 void ancf_table_forces(const ancf_table* table, const ancf_model* m, double time, double* force);
