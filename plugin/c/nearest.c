@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 enum {
     PIECES_MAX = 16, // of the second cable
@@ -661,47 +662,9 @@ static void place_on_cubic(ancf_nearest_pair* place, int segment, const spot* s,
     any_across(place->normal, tangent);
 }
 
-// Pieces whose middles are too far apart for their lengths need no look at their chords.
-double ancf_cubic_clearance(const ancf_cubic* first, const ancf_cubic* second) {
-    enum { PARTS = 4 };
-    const double* origin = second->control[0];
-    const power p = expand(first, origin), q = expand(second, origin);
-    const double bend = bend_of(&p), bend2 = bend_of(&q), bulge = 0.125 * (bend + bend2) / (PARTS * PARTS);
-    piece a[PARTS], b[PARTS];
-    double reach[PARTS][PARTS], start[3], along[2], least;
-    at(start, &p, 0.0);
-    for (int i = 0; i < PARTS; i++) {
-        a[i] = part_of(&p, joint(i, PARTS), joint(i + 1, PARTS), start, bend);
-        for (int k = 0; k < 3; k++) start[k] = a[i].end[k];
-    }
-    at(start, &q, 0.0);
-    for (int i = 0; i < PARTS; i++) {
-        b[i] = part_of(&q, joint(i, PARTS), joint(i + 1, PARTS), start, bend2);
-        for (int k = 0; k < 3; k++) start[k] = b[i].end[k];
-    }
-    for (int i = 0; i < PARTS; i++)
-        for (int j = 0; j < PARTS; j++) {
-            double square = 0.0;
-            for (int k = 0; k < 3; k++) {
-                const double d = a[i].start[k] + a[i].end[k] - b[j].start[k] - b[j].end[k];
-                square += d * d;
-            }
-            reach[i][j] = 0.5 * (sqrt(square) - a[i].length - b[j].length);
-        }
-    int first_i = 0, first_j = 0;
-    for (int i = 0; i < PARTS; i++)
-        for (int j = 0; j < PARTS; j++)
-            if (reach[i][j] < reach[first_i][first_j]) first_i = i, first_j = j;
-    least = sqrt(chords_square(along, &a[first_i], &b[first_j]));
-    reach[first_i][first_j] = INFINITY;
-    for (int i = 0; i < PARTS; i++)
-        for (int j = 0; j < PARTS; j++)
-            if (reach[i][j] < least) least = lower(least, sqrt(chords_square(along, &a[i], &b[j])));
-    return least - bulge;
-}
-
-int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int segments, double radius1,
-                       const ancf_cubic* second, double radius2, double reach) {
+// which: bits of the segments; NULL: all.
+static int nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int segments, const uint64_t* which,
+                         double radius1, const ancf_cubic* second, double radius2, double reach) {
     const double limit = radius1 + radius2 + reach;
     if (boxes_apart(first, second, limit)) return 0;
     const double* origin = second->control[0];
@@ -728,6 +691,10 @@ int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int se
     at(start, &p, 0.0);
     int n = 0;
     for (int i = 0; i < segments; i++) {
+        if (which && !(*which >> i & 1)) {
+            at(start, &p, joint(i + 1, segments));
+            continue;
+        }
         piece s = part_of(&p, joint(i, segments), joint(i + 1, segments), start, bend);
         s.length = sqrt(dot(s.chord, s.chord));
         for (int k = 0; k < 3; k++) start[k] = s.end[k];
@@ -741,4 +708,14 @@ int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int se
         if (found[n].gap < reach) n++;
     }
     return n;
+}
+
+int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int segments, double radius1,
+                       const ancf_cubic* second, double radius2, double reach) {
+    return nearest_cubic(found, first, segments, NULL, radius1, second, radius2, reach);
+}
+
+int ancf_nearest_segments(ancf_nearest_pair* found, const ancf_cubic* first, int segments, uint64_t which,
+                          double radius1, const ancf_cubic* second, double radius2, double reach) {
+    return nearest_cubic(found, first, segments, &which, radius1, second, radius2, reach);
 }

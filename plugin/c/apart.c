@@ -1,0 +1,363 @@
+#include "ancf/apart.h"
+#include "internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double steps_ahead = 0.75;  // what they may do in this many steps from the middle of one is looked for,
+static const double margin_ahead = 0.05; // and this part of the smaller radius besides
+
+static const double rounding = 1e-6; // more than that of distances and ways, in radii
+
+// A segment of one element and a segment of another.
+typedef struct {
+    int first, second, piece[2];
+    double axis[3]; // from the second to the first; 0: none known
+    double wake;    // they are apart while their ways together are shorter than this [m]
+} window;
+
+struct ancf_apart {
+    const ancf_cover* cover;
+    int n;
+    double step;
+    int* start;        // (n) of an element's first piece
+    double* third;     // (n) by which a slope moves a control point [m]; 0 for springs
+    double* place;     // (3 x stride) in the middle of the step before
+    double* way;       // (3 x stride) from there
+    double* moved;     // (n_dof) magnitude of that, against the mean of the nodes
+    double* rate;      // (n_dof) speed against the mean of the nodes
+    double* gone;      // (n) no point of an element has gone farther since windows were set [m]
+    double* speed;     // (n) no point of it is faster [m/s]
+    double* claim;     // (n) what has gone and what is looked for together [m]
+    long* looked;      // (n) number of the step in which its cubic and pieces were made
+    ancf_cubic* cubic; // (n)
+    ancf_cubic* piece; // (all segments)
+    ancf_box* box;     // (all segments)
+    long looks;
+    int n_windows, room_windows;
+    window* window; // sorted by elements, then pieces
+    window* spare;  // those of before, whose room the next ones take
+    int room_spare;
+};
+
+static double lower(double a, double b) { return a < b ? a : b; }
+
+static double higher(double a, double b) { return a > b ? a : b; }
+
+static double clamp(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf_cover* cover) {
+    ancf_apart* a = *apart = calloc(1, sizeof *a);
+    if (!a) return ANCF_E_MEMORY;
+    const size_t n = (size_t)m->n_elements, n_dof = (size_t)m->n_dof, field = 3 * (size_t)m->stride;
+    size_t pieces = 0;
+    for (size_t e = 0; e < n; ++e) pieces += (size_t)cover[e].segments;
+    a->cover = cover;
+    a->n = m->n_elements;
+    a->start = calloc(n, sizeof *a->start);
+    a->third = calloc(n, sizeof *a->third);
+    a->place = calloc(field, sizeof *a->place);
+    a->way = calloc(field, sizeof *a->way);
+    a->moved = calloc(n_dof, sizeof *a->moved);
+    a->rate = calloc(n_dof, sizeof *a->rate);
+    a->gone = calloc(n, sizeof *a->gone);
+    a->speed = calloc(n, sizeof *a->speed);
+    a->claim = calloc(n, sizeof *a->claim);
+    a->looked = calloc(n, sizeof *a->looked);
+    a->cubic = calloc(n, sizeof *a->cubic);
+    a->piece = calloc(pieces, sizeof *a->piece);
+    a->box = calloc(pieces, sizeof *a->box);
+    if (!a->start || !a->third || !a->place || !a->way || !a->moved || !a->rate || !a->gone || !a->speed || !a->claim ||
+        !a->looked || !a->cubic || !a->piece || !a->box) {
+        ancf_apart_destroy(a);
+        *apart = NULL;
+        return ANCF_E_MEMORY;
+    }
+    for (int e = 0, start = 0; e < a->n; ++e) {
+        a->start[e] = start;
+        start += cover[e].segments;
+        a->third[e] = m->element[e].kind & ANCF_SPRING ? 0.0 : m->element[e].length / 3.0;
+    }
+    return ANCF_OK;
+}
+
+void ancf_apart_destroy(ancf_apart* a) {
+    if (!a) return;
+    free(a->start);
+    free(a->third);
+    free(a->place);
+    free(a->way);
+    free(a->moved);
+    free(a->rate);
+    free(a->gone);
+    free(a->speed);
+    free(a->claim);
+    free(a->looked);
+    free(a->cubic);
+    free(a->piece);
+    free(a->box);
+    free(a->window);
+    free(a->spare);
+    free(a);
+}
+
+// ---------------------------------------------------------------- pieces
+
+static void divide(ancf_cubic* piece, const ancf_cubic* whole, int n) {
+    double slope[3];
+    memcpy(piece[0].control[0], whole->control[0], sizeof slope);
+    ancf_cubic_slope(slope, whole, 0.0);
+    for (int i = 0; i < n; ++i) {
+        double(*p)[3] = piece[i].control;
+        const double third = 1.0 / (3.0 * n);
+        for (int c = 0; c < 3; ++c) p[1][c] = p[0][c] + third * slope[c];
+        ancf_cubic_at(p[3], whole, (double)(i + 1) / n);
+        ancf_cubic_slope(slope, whole, (double)(i + 1) / n);
+        for (int c = 0; c < 3; ++c) p[2][c] = p[3][c] - third * slope[c];
+        if (i + 1 < n) memcpy(piece[i + 1].control[0], p[3], sizeof p[3]);
+    }
+}
+
+double ancf_cubic_gap(const double axis[3], const ancf_cubic* first, const ancf_cubic* second) {
+    double a[4], b[4];
+    for (int i = 0; i < 4; ++i) {
+        a[i] = dot(axis, first->control[i]);
+        b[i] = dot(axis, second->control[i]);
+    }
+    return lower(lower(a[0], a[1]), lower(a[2], a[3])) - higher(higher(b[0], b[1]), higher(b[2], b[3]));
+}
+
+// From where the chord of the second is nearest to where that of the first is [Ericson 2005]. False: no direction.
+static bool between_chords(double axis[3], const ancf_cubic* first, const ancf_cubic* second) {
+    double a[3], b[3], way[3];
+    for (int c = 0; c < 3; ++c) {
+        a[c] = first->control[3][c] - first->control[0][c];
+        b[c] = second->control[3][c] - second->control[0][c];
+        way[c] = first->control[0][c] - second->control[0][c];
+    }
+    const double aa = dot(a, a), bb = dot(b, b), ab = dot(a, b), aw = dot(a, way), bw = dot(b, way),
+                 det = aa * bb - ab * ab;
+    double s = det > 1e-12 * aa * bb ? clamp((ab * bw - aw * bb) / det, 0.0, 1.0) : 0.5;
+    double t = bb > 0.0 ? (ab * s + bw) / bb : 0.0;
+    if (!(t >= 0.0 && t <= 1.0)) {
+        t = clamp(t, 0.0, 1.0);
+        s = aa > 0.0 ? clamp((ab * t - aw) / aa, 0.0, 1.0) : 0.0;
+    }
+    for (int c = 0; c < 3; ++c) way[c] += s * a[c] - t * b[c];
+    const double length = sqrt(dot(way, way));
+    for (int c = 0; c < 3; ++c) axis[c] = way[c] / length;
+    return length > 0.0;
+}
+
+// ---------------------------------------------------------------- windows
+
+static bool add_window(ancf_apart* a, const window* w) {
+    if (a->n_windows == a->room_windows) {
+        const int room = a->room_windows ? 2 * a->room_windows : 64;
+        window* grown = realloc(a->window, (size_t)room * sizeof *grown);
+        if (!grown) return false;
+        a->window = grown;
+        a->room_windows = room;
+    }
+    a->window[a->n_windows++] = *w;
+    return true;
+}
+
+static int compare(const window* a, const window* b) {
+    if (a->first != b->first) return a->first < b->first ? -1 : 1;
+    if (a->second != b->second) return a->second < b->second ? -1 : 1;
+    if (a->piece[0] != b->piece[0]) return a->piece[0] < b->piece[0] ? -1 : 1;
+    return (a->piece[1] > b->piece[1]) - (a->piece[1] < b->piece[1]);
+}
+
+static bool overlap(const ancf_box* p, const ancf_box* q) {
+    for (int c = 0; c < 3; ++c)
+        if (p->low[c] > q->high[c] || q->low[c] > p->high[c]) return false;
+    return true;
+}
+
+// Boxes of an element's pieces as they are now.
+static void box_pieces(ancf_apart* a, const ancf_boxes* boxes, const ancf_model* m, int e) {
+    if (a->looked[e] == a->looks) return;
+    a->looked[e] = a->looks;
+    ancf_cubic cubic;
+    ancf_cover_cubic(&cubic, m, m->x, e);
+    ancf_cubic* piece = &a->piece[a->start[e]];
+    divide(piece, &cubic, a->cover[e].segments);
+    for (int i = 0; i < a->cover[e].segments; ++i) ancf_boxes_around(&a->box[a->start[e] + i], boxes, &piece[i], e);
+}
+
+// What was known of windows, up to `end` and sorted, still holds for those that are windows again.
+static void inherit(window* w, const window** old, const window* end, const double* gone) {
+    while (*old < end && compare(*old, w) < 0) ++*old;
+    if (*old == end || compare(*old, w) != 0) return;
+    memcpy(w->axis, (*old)->axis, sizeof w->axis);
+    w->wake = (*old)->wake - gone[w->first] - gone[w->second];
+}
+
+static bool add_windows(ancf_apart* a, const ancf_boxes* boxes, const ancf_meeting* pair, const window** old,
+                        const window* end) {
+    const int e = pair->first, f = pair->second;
+    const ancf_box *first = &a->box[a->start[e]], *second = &a->box[a->start[f]], *whole = ancf_boxes_box(boxes, f);
+    for (int i = 0; i < a->cover[e].segments; ++i) {
+        if (!overlap(&first[i], whole)) continue;
+        for (int j = 0; j < a->cover[f].segments; ++j) {
+            if (!overlap(&first[i], &second[j])) continue;
+            window w = {.first = e, .second = f, .piece = {i, j}, .wake = -INFINITY};
+            inherit(&w, old, end, a->gone);
+            if (!add_window(a, &w)) return false;
+        }
+    }
+    return true;
+}
+
+int ancf_apart_set(ancf_apart* a, const ancf_boxes* boxes, const ancf_model* m) {
+    int n;
+    const ancf_meeting* pair = ancf_boxes_meetings(boxes, &n);
+    window* const last = a->window;
+    const window *old = last, *end = last + a->n_windows;
+    const int room = a->room_windows;
+    a->window = a->spare;
+    a->room_windows = a->room_spare;
+    a->n_windows = 0;
+    ++a->looks;
+    bool enough = true;
+    for (int k = 0; k < n && enough; ++k) {
+        box_pieces(a, boxes, m, pair[k].first);
+        box_pieces(a, boxes, m, pair[k].second);
+        enough = add_windows(a, boxes, &pair[k], &old, end);
+    }
+    a->spare = last;
+    a->room_spare = room;
+    memset(a->gone, 0, (size_t)a->n * sizeof *a->gone);
+    return enough ? a->n_windows : -1;
+}
+
+// ---------------------------------------------------------------- followed
+
+// Places ahead of a state, and the ways to there from the places of before.
+ANCF_CLONES static void go(double* place, double* way, const double* x, const double* v, double ahead, int n) {
+    for (int i = 0; i < n; ++i) {
+        const double next = x[i] + ahead * v[i];
+        way[i] = next - place[i];
+        place[i] = next;
+    }
+}
+
+ANCF_CLONES static double mean(const double* field, int n) {
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (int i = 0; i < n; ++i) sum += field[i];
+    return sum / n;
+}
+
+// Magnitudes of a field whose nodes have a mean that is left out.
+ANCF_CLONES static void magnitudes(double* size, const double* field, const double mean[3], int n_nodes, int n_dof,
+                                   int stride) {
+    for (int i = 0; i < n_dof; ++i) {
+        const double own = i < n_nodes ? 1.0 : 0.0;
+        const double x = field[i] - own * mean[0], y = field[stride + i] - own * mean[1],
+                     z = field[2 * stride + i] - own * mean[2];
+        size[i] = sqrt(x * x + y * y + z * z);
+    }
+}
+
+static void against_mean(double* size, const double* field, const ancf_model* m) {
+    double all[3];
+    for (int c = 0; c < 3; ++c) all[c] = mean(field + c * m->stride, m->n_nodes);
+    magnitudes(size, field, all, m->n_nodes, m->n_dof, m->stride);
+}
+
+void ancf_apart_follow(ancf_apart* a, const ancf_model* m, double step) {
+    a->step = step;
+    ++a->looks;
+    for (int c = 0; c < 3; ++c) {
+        const int at = c * m->stride;
+        go(a->place + at, a->way + at, m->x + at, m->v + at, 0.5 * step, m->n_dof);
+    }
+    against_mean(a->moved, a->way, m);
+    against_mean(a->rate, m->v, m);
+    const double *moved_start = a->moved + m->n_nodes, *moved_end = moved_start + m->n_elements;
+    const double *rate_start = a->rate + m->n_nodes, *rate_end = rate_start + m->n_elements;
+    for (int e = 0; e < a->n; ++e) {
+        const int p = m->ends[2 * e], q = m->ends[2 * e + 1];
+        const double third = a->third[e];
+        a->gone[e] += higher(a->moved[p] + third * moved_start[e], a->moved[q] + third * moved_end[e]);
+        a->speed[e] = higher(a->rate[p] + third * rate_start[e], a->rate[q] + third * rate_end[e]);
+        a->claim[e] = a->gone[e] + steps_ahead * step * a->speed[e] + 0.5 * margin_ahead * a->cover[e].radius;
+    }
+}
+
+// ---------------------------------------------------------------- asked
+
+double ancf_apart_reach(const ancf_cover* p, const ancf_cover* q, double step, double speed) {
+    return steps_ahead * step * speed + margin_ahead * lower(p->radius, q->radius);
+}
+
+static void look(ancf_apart* a, const ancf_model* m, int e) {
+    if (a->looked[e] == a->looks) return;
+    a->looked[e] = a->looks;
+    ancf_cover_ahead(&a->cubic[e], m, e, 0.5 * a->step);
+    divide(&a->piece[a->start[e]], &a->cubic[e], a->cover[e].segments);
+}
+
+// Whether the pieces of a window are farther apart than `reach`; how long they rest.
+static bool rests(window* w, const ancf_apart* a, double thick, double reach) {
+    const ancf_cubic *p = &a->piece[a->start[w->first] + w->piece[0]],
+                     *q = &a->piece[a->start[w->second] + w->piece[1]];
+    const double enough = reach + thick;
+    double gap = ancf_cubic_gap(w->axis, p, q) - thick, axis[3];
+    if (gap < enough && between_chords(axis, p, q)) {
+        const double other = ancf_cubic_gap(axis, p, q) - thick;
+        if (other > gap) {
+            memcpy(w->axis, axis, sizeof axis);
+            gap = other;
+        }
+    }
+    gap -= rounding * thick;
+    w->wake = gap + a->gone[w->first] + a->gone[w->second];
+    return gap > reach;
+}
+
+bool ancf_apart_next(ancf_near* near, ancf_apart* a, const ancf_model* m) {
+    const double* claim = a->claim;
+    for (int k = near->end; k < a->n_windows; ++k) {
+        const int e = a->window[k].first, f = a->window[k].second;
+        if (a->window[k].wake > claim[e] + claim[f]) continue;
+        look(a, m, e);
+        look(a, m, f);
+        const double thick = a->cover[e].radius + a->cover[f].radius,
+                     reach = ancf_apart_reach(&a->cover[e], &a->cover[f], a->step, a->speed[e] + a->speed[f]);
+        near->begin = k;
+        near->segments = 0;
+        for (; k < a->n_windows && a->window[k].first == e && a->window[k].second == f; ++k) {
+            window* w = &a->window[k];
+            if (w->wake > claim[e] + claim[f] || rests(w, a, thick, reach)) continue;
+            near->segments |= (uint64_t)1 << w->piece[0];
+        }
+        near->end = k--;
+        if (near->segments == 0) continue;
+        near->first = e;
+        near->second = f;
+        near->reach = reach;
+        near->cubic[0] = &a->cubic[e];
+        near->cubic[1] = &a->cubic[f];
+        return true;
+    }
+    return false;
+}
+
+void ancf_apart_learn(ancf_apart* a, const ancf_near* near, const ancf_nearest_pair* found, int n) {
+    const int parts = a->cover[near->second].segments;
+    int i = 0;
+    for (int k = near->begin; k < near->end && i < n; ++k) {
+        window* w = &a->window[k];
+        while (i < n && found[i].segment < w->piece[0]) ++i;
+        if (i == n || found[i].segment != w->piece[0]) continue;
+        const int part = (int)(found[i].xi[1] * parts);
+        if (w->piece[1] == (part < parts ? part : parts - 1)) memcpy(w->axis, found[i].normal, sizeof w->axis);
+    }
+}
