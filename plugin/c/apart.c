@@ -14,6 +14,7 @@ static const double rounding = 1e-6; // more than that of distances and ways, in
 typedef struct {
     int first, second, piece[2];
     double axis[3]; // from the second to the first; 0: none known
+    bool learned;   // the axis is that of a place found on the curves
     double wake;    // they are apart while their ways together are shorter than this [m]
 } window;
 
@@ -32,7 +33,6 @@ struct ancf_apart {
     double* claim;     // (n) what has gone and what is looked for together [m]
     long* looked;      // (n) number of the step in which its cubic and pieces were made
     ancf_cubic* cubic; // (n)
-    ancf_cubic* piece; // (all segments)
     ancf_box* box;     // (all segments)
     long looks;
     int n_windows, room_windows;
@@ -68,10 +68,9 @@ ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf
     a->claim = calloc(n, sizeof *a->claim);
     a->looked = calloc(n, sizeof *a->looked);
     a->cubic = calloc(n, sizeof *a->cubic);
-    a->piece = calloc(pieces, sizeof *a->piece);
     a->box = calloc(pieces, sizeof *a->box);
     if (!a->start || !a->third || !a->place || !a->way || !a->moved || !a->rate || !a->gone || !a->speed || !a->claim ||
-        !a->looked || !a->cubic || !a->piece || !a->box) {
+        !a->looked || !a->cubic || !a->box) {
         ancf_apart_destroy(a);
         *apart = NULL;
         return ANCF_E_MEMORY;
@@ -97,7 +96,6 @@ void ancf_apart_destroy(ancf_apart* a) {
     free(a->claim);
     free(a->looked);
     free(a->cubic);
-    free(a->piece);
     free(a->box);
     free(a->window);
     free(a->spare);
@@ -106,37 +104,38 @@ void ancf_apart_destroy(ancf_apart* a) {
 
 // ---------------------------------------------------------------- pieces
 
-static void divide(ancf_cubic* piece, const ancf_cubic* whole, int n) {
-    double slope[3];
-    memcpy(piece[0].control[0], whole->control[0], sizeof slope);
-    ancf_cubic_slope(slope, whole, 0.0);
-    for (int i = 0; i < n; ++i) {
-        double(*p)[3] = piece[i].control;
-        const double third = 1.0 / (3.0 * n);
-        for (int c = 0; c < 3; ++c) p[1][c] = p[0][c] + third * slope[c];
-        ancf_cubic_at(p[3], whole, (double)(i + 1) / n);
-        ancf_cubic_slope(slope, whole, (double)(i + 1) / n);
-        for (int c = 0; c < 3; ++c) p[2][c] = p[3][c] - third * slope[c];
-        if (i + 1 < n) memcpy(piece[i + 1].control[0], p[3], sizeof p[3]);
-    }
+// Least and largest of what a part of an element's cubic is along an axis, at most: those of its control points.
+static void span(double range[2], const double axis[3], const ancf_cubic* whole, int i, int n) {
+    const double a = dot(axis, whole->control[0]), b = dot(axis, whole->control[1]), c = dot(axis, whole->control[2]),
+                 d = dot(axis, whole->control[3]), k1 = 3.0 * (b - a), k2 = 3.0 * (c - 2.0 * b + a),
+                 k3 = d - a - 3.0 * (c - b), step = 1.0 / n, start = i * step, end = start + step;
+    const double first = a + start * (k1 + start * (k2 + start * k3)), last = a + end * (k1 + end * (k2 + end * k3)),
+                 after = first + step / 3.0 * (k1 + start * (2.0 * k2 + start * 3.0 * k3)),
+                 before = last - step / 3.0 * (k1 + end * (2.0 * k2 + end * 3.0 * k3));
+    range[0] = lower(lower(first, after), lower(before, last));
+    range[1] = higher(higher(first, after), higher(before, last));
 }
 
-double ancf_cubic_gap(const double axis[3], const ancf_cubic* first, const ancf_cubic* second) {
-    double a[4], b[4];
-    for (int i = 0; i < 4; ++i) {
-        a[i] = dot(axis, first->control[i]);
-        b[i] = dot(axis, second->control[i]);
-    }
-    return lower(lower(a[0], a[1]), lower(a[2], a[3])) - higher(higher(b[0], b[1]), higher(b[2], b[3]));
+double ancf_cubic_gap(const double axis[3], const ancf_cubic* first, int i, int n, const ancf_cubic* second, int j,
+                      int n2) {
+    double a[2], b[2];
+    span(a, axis, first, i, n);
+    span(b, axis, second, j, n2);
+    return a[0] - b[1];
 }
 
 // From where the chord of the second is nearest to where that of the first is [Ericson 2005]. False: no direction.
-static bool between_chords(double axis[3], const ancf_cubic* first, const ancf_cubic* second) {
-    double a[3], b[3], way[3];
+static bool between_chords(double axis[3], const ancf_cubic* first, int i, int n, const ancf_cubic* second, int j,
+                           int n2) {
+    double a[3], b[3], start[3], way[3];
+    ancf_cubic_at(start, first, (double)i / n);
+    ancf_cubic_at(a, first, (double)(i + 1) / n);
+    ancf_cubic_at(way, second, (double)j / n2);
+    ancf_cubic_at(b, second, (double)(j + 1) / n2);
     for (int c = 0; c < 3; ++c) {
-        a[c] = first->control[3][c] - first->control[0][c];
-        b[c] = second->control[3][c] - second->control[0][c];
-        way[c] = first->control[0][c] - second->control[0][c];
+        a[c] -= start[c];
+        b[c] -= way[c];
+        way[c] = start[c] - way[c];
     }
     const double aa = dot(a, a), bb = dot(b, b), ab = dot(a, b), aw = dot(a, way), bw = dot(b, way),
                  det = aa * bb - ab * ab;
@@ -179,15 +178,31 @@ static bool overlap(const ancf_box* p, const ancf_box* q) {
     return true;
 }
 
+static void part_of(ancf_cubic* part, const ancf_cubic* whole, int i, int n) {
+    const double low = (double)i / n, high = (double)(i + 1) / n, third = (high - low) / 3.0;
+    double start[3], end[3];
+    ancf_cubic_at(part->control[0], whole, low);
+    ancf_cubic_at(part->control[3], whole, high);
+    ancf_cubic_slope(start, whole, low);
+    ancf_cubic_slope(end, whole, high);
+    for (int c = 0; c < 3; ++c) {
+        part->control[1][c] = part->control[0][c] + third * start[c];
+        part->control[2][c] = part->control[3][c] - third * end[c];
+    }
+}
+
 // Boxes of an element's pieces as they are now.
 static void box_pieces(ancf_apart* a, const ancf_boxes* boxes, const ancf_model* m, int e) {
     if (a->looked[e] == a->looks) return;
     a->looked[e] = a->looks;
     ancf_cubic cubic;
     ancf_cover_cubic(&cubic, m, m->x, e);
-    ancf_cubic* piece = &a->piece[a->start[e]];
-    divide(piece, &cubic, a->cover[e].segments);
-    for (int i = 0; i < a->cover[e].segments; ++i) ancf_boxes_around(&a->box[a->start[e] + i], boxes, &piece[i], e);
+    const int n = a->cover[e].segments;
+    for (int i = 0; i < n; ++i) {
+        ancf_cubic piece;
+        part_of(&piece, &cubic, i, n);
+        ancf_boxes_around(&a->box[a->start[e] + i], boxes, &piece, e);
+    }
 }
 
 // What was known of windows, up to `end` and sorted, still holds for those that are windows again.
@@ -195,6 +210,7 @@ static void inherit(window* w, const window** old, const window* end, const doub
     while (*old < end && compare(*old, w) < 0) ++*old;
     if (*old == end || compare(*old, w) != 0) return;
     memcpy(w->axis, (*old)->axis, sizeof w->axis);
+    w->learned = (*old)->learned;
     w->wake = (*old)->wake - gone[w->first] - gone[w->second];
 }
 
@@ -272,6 +288,7 @@ static void against_mean(double* size, const double* field, const ancf_model* m)
 }
 
 void ancf_apart_follow(ancf_apart* a, const ancf_model* m, double step) {
+    if (a->n_windows == 0) return; // what is new later is not known to be apart
     a->step = step;
     ++a->looks;
     for (int c = 0; c < 3; ++c) {
@@ -297,21 +314,19 @@ double ancf_apart_reach(const ancf_cover* p, const ancf_cover* q, double step, d
     return steps_ahead * step * speed + margin_ahead * lower(p->radius, q->radius);
 }
 
-static void look(ancf_apart* a, const ancf_model* m, int e) {
-    if (a->looked[e] == a->looks) return;
+static const ancf_cubic* look(ancf_apart* a, const ancf_model* m, int e) {
+    if (a->looked[e] != a->looks) ancf_cover_cubic(&a->cubic[e], m, a->place, e);
     a->looked[e] = a->looks;
-    ancf_cover_ahead(&a->cubic[e], m, e, 0.5 * a->step);
-    divide(&a->piece[a->start[e]], &a->cubic[e], a->cover[e].segments);
+    return &a->cubic[e];
 }
 
 // Whether the pieces of a window are farther apart than `reach`; how long they rest.
-static bool rests(window* w, const ancf_apart* a, double thick, double reach) {
-    const ancf_cubic *p = &a->piece[a->start[w->first] + w->piece[0]],
-                     *q = &a->piece[a->start[w->second] + w->piece[1]];
-    const double enough = reach + thick;
-    double gap = ancf_cubic_gap(w->axis, p, q) - thick, axis[3];
-    if (gap < enough && between_chords(axis, p, q)) {
-        const double other = ancf_cubic_gap(axis, p, q) - thick;
+static bool rests(window* w, const ancf_apart* a, const ancf_cubic* p, const ancf_cubic* q, double thick,
+                  double reach) {
+    const int i = w->piece[0], j = w->piece[1], n = a->cover[w->first].segments, n2 = a->cover[w->second].segments;
+    double gap = ancf_cubic_gap(w->axis, p, i, n, q, j, n2) - thick, axis[3];
+    if (gap < reach + thick && !w->learned && between_chords(axis, p, i, n, q, j, n2)) {
+        const double other = ancf_cubic_gap(axis, p, i, n, q, j, n2) - thick;
         if (other > gap) {
             memcpy(w->axis, axis, sizeof axis);
             gap = other;
@@ -319,6 +334,7 @@ static bool rests(window* w, const ancf_apart* a, double thick, double reach) {
     }
     gap -= rounding * thick;
     w->wake = gap + a->gone[w->first] + a->gone[w->second];
+    w->learned = w->learned && gap > reach;
     return gap > reach;
 }
 
@@ -327,15 +343,14 @@ bool ancf_apart_next(ancf_near* near, ancf_apart* a, const ancf_model* m) {
     for (int k = near->end; k < a->n_windows; ++k) {
         const int e = a->window[k].first, f = a->window[k].second;
         if (a->window[k].wake > claim[e] + claim[f]) continue;
-        look(a, m, e);
-        look(a, m, f);
+        const ancf_cubic *p = look(a, m, e), *q = look(a, m, f);
         const double thick = a->cover[e].radius + a->cover[f].radius,
                      reach = ancf_apart_reach(&a->cover[e], &a->cover[f], a->step, a->speed[e] + a->speed[f]);
         near->begin = k;
         near->segments = 0;
         for (; k < a->n_windows && a->window[k].first == e && a->window[k].second == f; ++k) {
             window* w = &a->window[k];
-            if (w->wake > claim[e] + claim[f] || rests(w, a, thick, reach)) continue;
+            if (w->wake > claim[e] + claim[f] || rests(w, a, p, q, thick, reach)) continue;
             near->segments |= (uint64_t)1 << w->piece[0];
         }
         near->end = k--;
@@ -343,8 +358,8 @@ bool ancf_apart_next(ancf_near* near, ancf_apart* a, const ancf_model* m) {
         near->first = e;
         near->second = f;
         near->reach = reach;
-        near->cubic[0] = &a->cubic[e];
-        near->cubic[1] = &a->cubic[f];
+        ancf_cover_ahead(&near->cubic[0], m, e, 0.5 * a->step);
+        ancf_cover_ahead(&near->cubic[1], m, f, 0.5 * a->step);
         return true;
     }
     return false;
@@ -358,6 +373,8 @@ void ancf_apart_learn(ancf_apart* a, const ancf_near* near, const ancf_nearest_p
         while (i < n && found[i].segment < w->piece[0]) ++i;
         if (i == n || found[i].segment != w->piece[0]) continue;
         const int part = (int)(found[i].xi[1] * parts);
-        if (w->piece[1] == (part < parts ? part : parts - 1)) memcpy(w->axis, found[i].normal, sizeof w->axis);
+        if (w->piece[1] != (part < parts ? part : parts - 1)) continue;
+        memcpy(w->axis, found[i].normal, sizeof w->axis);
+        w->learned = true;
     }
 }

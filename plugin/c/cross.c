@@ -58,8 +58,8 @@ int ancf_cross_add(ancf_table* table, ancf_apart* apart, const ancf_cover* cover
     for (ancf_near pair = {0}; ancf_apart_next(&pair, apart, m);) {
         const int e = pair.first, f = pair.second;
         const ancf_cover *p = &cover[e], *q = &cover[f];
-        const int n = ancf_nearest_segments(found, pair.cubic[0], p->segments, pair.segments, p->radius, pair.cubic[1],
-                                            q->radius, pair.reach + 0.5 * (p->radius + q->radius));
+        const int n = ancf_nearest_segments(found, &pair.cubic[0], p->segments, pair.segments, p->radius,
+                                            &pair.cubic[1], q->radius, pair.reach + 0.5 * (p->radius + q->radius));
         ancf_apart_learn(apart, &pair, found, n);
         for (int i = 0; i < n; ++i) {
             if (!(found[i].gap < pair.reach)) continue;

@@ -13,11 +13,11 @@ typedef struct ancf_apart ancf_apart;
 
 // Two elements that may be nearer than their reach.
 typedef struct {
-    int first, second;          // first < second
-    uint64_t segments;          // of the first where they may, as bits
-    double reach;               // [m]
-    const ancf_cubic* cubic[2]; // in the middle of the step
-    int begin, end;             // windows of the pair
+    int first, second;   // first < second
+    uint64_t segments;   // of the first where they may, as bits
+    double reach;        // [m]
+    ancf_cubic cubic[2]; // in the middle of the step
+    int begin, end;      // windows of the pair
 } ancf_near;
 
 // cover: (n_elements), kept by the caller.
@@ -40,7 +40,9 @@ void ancf_apart_learn(ancf_apart* apart, const ancf_near* near, const ancf_neare
 // How near two elements have to be to be looked at in a step, at a speed of one against the other [m].
 double ancf_apart_reach(const ancf_cover* first, const ancf_cover* second, double step, double speed);
 
-// No distance of two cubics is smaller, if the axis is a unit vector; < 0 along one that does not part them [m].
-double ancf_cubic_gap(const double axis[3], const ancf_cubic* first, const ancf_cubic* second);
+// No distance of the i-th of n equal parts of a cubic from the j-th of n2 of another is smaller, if the axis is a unit
+// vector; < 0 along one that does not part them [m].
+double ancf_cubic_gap(const double axis[3], const ancf_cubic* first, int i, int n, const ancf_cubic* second, int j,
+                      int n2);
 
 #endif
