@@ -12,11 +12,22 @@ static const double rounding = 1e-6; // more than that of distances and ways, in
 
 // A segment of one element and a segment of another.
 typedef struct {
-    int first, second, piece[2];
-    double axis[3]; // from the second to the first; 0: none known
+    int piece[2];
     bool learned;   // the axis is that of a place found on the curves
+    double axis[3]; // from the second to the first; 0: none known
     double wake;    // they are apart while their ways together are shorter than this [m]
 } window;
+
+typedef struct {
+    int first, second, begin, end; // its windows
+    double wake;                   // the least of theirs
+} pair;
+
+typedef struct {
+    int n_pairs, room_pairs, n_windows, room_windows;
+    pair* pair;     // sorted by first, then second
+    window* window; // of a pair sorted by pieces
+} list;
 
 struct ancf_apart {
     const ancf_cover* cover;
@@ -35,10 +46,7 @@ struct ancf_apart {
     ancf_cubic* cubic; // (n)
     ancf_box* box;     // (all segments)
     long looks;
-    int n_windows, room_windows;
-    window* window; // sorted by elements, then pieces
-    window* spare;  // those of before, whose room the next ones take
-    int room_spare;
+    list now, last; // last: those of before, whose room the next ones take
 };
 
 static double lower(double a, double b) { return a < b ? a : b; }
@@ -97,8 +105,10 @@ void ancf_apart_destroy(ancf_apart* a) {
     free(a->looked);
     free(a->cubic);
     free(a->box);
-    free(a->window);
-    free(a->spare);
+    free(a->now.pair);
+    free(a->now.window);
+    free(a->last.pair);
+    free(a->last.window);
     free(a);
 }
 
@@ -153,23 +163,31 @@ static bool between_chords(double axis[3], const ancf_cubic* first, int i, int n
 
 // ---------------------------------------------------------------- windows
 
-static bool add_window(ancf_apart* a, const window* w) {
-    if (a->n_windows == a->room_windows) {
-        const int room = a->room_windows ? 2 * a->room_windows : 64;
-        window* grown = realloc(a->window, (size_t)room * sizeof *grown);
-        if (!grown) return false;
-        a->window = grown;
-        a->room_windows = room;
-    }
-    a->window[a->n_windows++] = *w;
+// Room for one more.
+static bool grow(void** array, int n, int* room, size_t size) {
+    if (n < *room) return true;
+    const int more = *room ? 2 * *room : 64;
+    void* grown = realloc(*array, (size_t)more * size);
+    if (!grown) return false;
+    *array = grown;
+    *room = more;
     return true;
 }
 
-static int compare(const window* a, const window* b) {
-    if (a->first != b->first) return a->first < b->first ? -1 : 1;
-    if (a->second != b->second) return a->second < b->second ? -1 : 1;
-    if (a->piece[0] != b->piece[0]) return a->piece[0] < b->piece[0] ? -1 : 1;
-    return (a->piece[1] > b->piece[1]) - (a->piece[1] < b->piece[1]);
+static bool add_pair(list* l, const pair* p) {
+    void* array = l->pair;
+    const bool enough = grow(&array, l->n_pairs, &l->room_pairs, sizeof *p);
+    l->pair = array;
+    if (enough) l->pair[l->n_pairs++] = *p;
+    return enough;
+}
+
+static bool add_window(list* l, const window* w) {
+    void* array = l->window;
+    const bool enough = grow(&array, l->n_windows, &l->room_windows, sizeof *w);
+    l->window = array;
+    if (enough) l->window[l->n_windows++] = *w;
+    return enough;
 }
 
 static bool overlap(const ancf_box* p, const ancf_box* q) {
@@ -205,51 +223,63 @@ static void box_pieces(ancf_apart* a, const ancf_boxes* boxes, const ancf_model*
     }
 }
 
-// What was known of windows, up to `end` and sorted, still holds for those that are windows again.
-static void inherit(window* w, const window** old, const window* end, const double* gone) {
-    while (*old < end && compare(*old, w) < 0) ++*old;
-    if (*old == end || compare(*old, w) != 0) return;
-    memcpy(w->axis, (*old)->axis, sizeof w->axis);
-    w->learned = (*old)->learned;
-    w->wake = (*old)->wake - gone[w->first] - gone[w->second];
+// The pair as it was, from number *k on; NULL: it was none.
+static const pair* find_last(const list* last, int* k, const ancf_meeting* of) {
+    for (; *k < last->n_pairs; ++*k) {
+        const pair* p = &last->pair[*k];
+        if (p->first > of->first || (p->first == of->first && p->second > of->second)) return NULL;
+        if (p->first == of->first && p->second == of->second) return p;
+    }
+    return NULL;
 }
 
-static bool add_windows(ancf_apart* a, const ancf_boxes* boxes, const ancf_meeting* pair, const window** old,
-                        const window* end) {
-    const int e = pair->first, f = pair->second;
-    const ancf_box *first = &a->box[a->start[e]], *second = &a->box[a->start[f]], *whole = ancf_boxes_box(boxes, f);
-    for (int i = 0; i < a->cover[e].segments; ++i) {
+// What was known of windows, from number *k on, still holds for those that are windows again.
+static void inherit(window* w, const ancf_apart* a, const pair* was, int* k) {
+    for (; *k < was->end; ++*k) {
+        const window* old = &a->last.window[*k];
+        const int order = old->piece[0] != w->piece[0] ? old->piece[0] - w->piece[0] : old->piece[1] - w->piece[1];
+        if (order > 0) return;
+        if (order < 0) continue;
+        *w = *old;
+        w->wake -= a->gone[was->first] + a->gone[was->second];
+        return;
+    }
+}
+
+static bool add_windows(ancf_apart* a, const ancf_boxes* boxes, const ancf_meeting* of, const pair* was) {
+    pair p = {.first = of->first, .second = of->second, .begin = a->now.n_windows, .wake = INFINITY};
+    const ancf_box *first = &a->box[a->start[p.first]], *second = &a->box[a->start[p.second]],
+                   *whole = ancf_boxes_box(boxes, p.second);
+    int old = was ? was->begin : 0;
+    for (int i = 0; i < a->cover[p.first].segments; ++i) {
         if (!overlap(&first[i], whole)) continue;
-        for (int j = 0; j < a->cover[f].segments; ++j) {
+        for (int j = 0; j < a->cover[p.second].segments; ++j) {
             if (!overlap(&first[i], &second[j])) continue;
-            window w = {.first = e, .second = f, .piece = {i, j}, .wake = -INFINITY};
-            inherit(&w, old, end, a->gone);
-            if (!add_window(a, &w)) return false;
+            window w = {.piece = {i, j}, .wake = -INFINITY};
+            if (was) inherit(&w, a, was, &old);
+            p.wake = lower(p.wake, w.wake);
+            if (!add_window(&a->now, &w)) return false;
         }
     }
-    return true;
+    p.end = a->now.n_windows;
+    return p.begin == p.end || add_pair(&a->now, &p);
 }
 
 int ancf_apart_set(ancf_apart* a, const ancf_boxes* boxes, const ancf_model* m) {
-    int n;
-    const ancf_meeting* pair = ancf_boxes_meetings(boxes, &n);
-    window* const last = a->window;
-    const window *old = last, *end = last + a->n_windows;
-    const int room = a->room_windows;
-    a->window = a->spare;
-    a->room_windows = a->room_spare;
-    a->n_windows = 0;
+    int n, old = 0;
+    const ancf_meeting* meeting = ancf_boxes_meetings(boxes, &n);
+    const list last = a->now;
+    a->now = a->last;
+    a->last = last;
+    a->now.n_pairs = a->now.n_windows = 0;
     ++a->looks;
-    bool enough = true;
-    for (int k = 0; k < n && enough; ++k) {
-        box_pieces(a, boxes, m, pair[k].first);
-        box_pieces(a, boxes, m, pair[k].second);
-        enough = add_windows(a, boxes, &pair[k], &old, end);
+    for (int k = 0; k < n; ++k) {
+        box_pieces(a, boxes, m, meeting[k].first);
+        box_pieces(a, boxes, m, meeting[k].second);
+        if (!add_windows(a, boxes, &meeting[k], find_last(&a->last, &old, &meeting[k]))) return -1;
     }
-    a->spare = last;
-    a->room_spare = room;
     memset(a->gone, 0, (size_t)a->n * sizeof *a->gone);
-    return enough ? a->n_windows : -1;
+    return a->now.n_windows;
 }
 
 // ---------------------------------------------------------------- followed
@@ -288,7 +318,7 @@ static void against_mean(double* size, const double* field, const ancf_model* m)
 }
 
 void ancf_apart_follow(ancf_apart* a, const ancf_model* m, double step) {
-    if (a->n_windows == 0) return; // what is new later is not known to be apart
+    if (a->now.n_pairs == 0) return; // what is new later is not known to be apart
     a->step = step;
     ++a->looks;
     for (int c = 0; c < 3; ++c) {
@@ -314,64 +344,76 @@ double ancf_apart_reach(const ancf_cover* p, const ancf_cover* q, double step, d
     return steps_ahead * step * speed + margin_ahead * lower(p->radius, q->radius);
 }
 
-static const ancf_cubic* look(ancf_apart* a, const ancf_model* m, int e) {
+static void look(ancf_apart* a, const ancf_model* m, int e) {
     if (a->looked[e] != a->looks) ancf_cover_cubic(&a->cubic[e], m, a->place, e);
     a->looked[e] = a->looks;
-    return &a->cubic[e];
 }
 
-// Whether the pieces of a window are farther apart than `reach`; how long they rest.
-static bool rests(window* w, const ancf_apart* a, const ancf_cubic* p, const ancf_cubic* q, double thick,
-                  double reach) {
-    const int i = w->piece[0], j = w->piece[1], n = a->cover[w->first].segments, n2 = a->cover[w->second].segments;
-    double gap = ancf_cubic_gap(w->axis, p, i, n, q, j, n2) - thick, axis[3];
-    if (gap < reach + thick && !w->learned && between_chords(axis, p, i, n, q, j, n2)) {
-        const double other = ancf_cubic_gap(axis, p, i, n, q, j, n2) - thick;
-        if (other > gap) {
+// Whether the pieces of a window are farther apart than `reach`; how far they are.
+static bool parted(window* w, double* gap, const ancf_near* near, const ancf_apart* a) {
+    const int i = w->piece[0], j = w->piece[1], n = a->cover[near->first].segments,
+              n2 = a->cover[near->second].segments;
+    const ancf_cubic *p = &a->cubic[near->first], *q = &a->cubic[near->second];
+    const double thick = a->cover[near->first].radius + a->cover[near->second].radius, less = (1.0 + rounding) * thick;
+    double axis[3];
+    *gap = ancf_cubic_gap(w->axis, p, i, n, q, j, n2) - less;
+    if (*gap < near->reach + thick && !w->learned && between_chords(axis, p, i, n, q, j, n2)) {
+        const double other = ancf_cubic_gap(axis, p, i, n, q, j, n2) - less;
+        if (other > *gap) {
             memcpy(w->axis, axis, sizeof axis);
-            gap = other;
+            *gap = other;
         }
     }
-    gap -= rounding * thick;
-    w->wake = gap + a->gone[w->first] + a->gone[w->second];
-    w->learned = w->learned && gap > reach;
-    return gap > reach;
+    w->learned = w->learned && *gap > near->reach;
+    return *gap > near->reach;
+}
+
+// Looks at the windows of a pair that do not rest.
+static void wake(ancf_near* near, ancf_apart* a, const ancf_model* m, pair* p) {
+    const int e = p->first, f = p->second;
+    const double gone = a->gone[e] + a->gone[f], claim = a->claim[e] + a->claim[f];
+    look(a, m, e);
+    look(a, m, f);
+    near->first = e;
+    near->second = f;
+    near->segments = 0;
+    near->reach = ancf_apart_reach(&a->cover[e], &a->cover[f], a->step, a->speed[e] + a->speed[f]);
+    p->wake = INFINITY;
+    for (int k = p->begin; k < p->end; ++k) {
+        window* w = &a->now.window[k];
+        double gap;
+        if (!(w->wake > claim)) {
+            if (!parted(w, &gap, near, a)) near->segments |= (uint64_t)1 << w->piece[0];
+            w->wake = gap + gone;
+        }
+        p->wake = lower(p->wake, w->wake);
+    }
 }
 
 bool ancf_apart_next(ancf_near* near, ancf_apart* a, const ancf_model* m) {
     const double* claim = a->claim;
-    for (int k = near->end; k < a->n_windows; ++k) {
-        const int e = a->window[k].first, f = a->window[k].second;
-        if (a->window[k].wake > claim[e] + claim[f]) continue;
-        const ancf_cubic *p = look(a, m, e), *q = look(a, m, f);
-        const double thick = a->cover[e].radius + a->cover[f].radius,
-                     reach = ancf_apart_reach(&a->cover[e], &a->cover[f], a->step, a->speed[e] + a->speed[f]);
-        near->begin = k;
-        near->segments = 0;
-        for (; k < a->n_windows && a->window[k].first == e && a->window[k].second == f; ++k) {
-            window* w = &a->window[k];
-            if (w->wake > claim[e] + claim[f] || rests(w, a, p, q, thick, reach)) continue;
-            near->segments |= (uint64_t)1 << w->piece[0];
-        }
-        near->end = k--;
+    for (int k = near->next; k < a->now.n_pairs; ++k) {
+        pair* p = &a->now.pair[k];
+        if (p->wake > claim[p->first] + claim[p->second]) continue;
+        wake(near, a, m, p);
         if (near->segments == 0) continue;
-        near->first = e;
-        near->second = f;
-        near->reach = reach;
-        ancf_cover_ahead(&near->cubic[0], m, e, 0.5 * a->step);
-        ancf_cover_ahead(&near->cubic[1], m, f, 0.5 * a->step);
+        near->next = k + 1;
+        ancf_cover_ahead(&near->cubic[0], m, p->first, 0.5 * a->step);
+        ancf_cover_ahead(&near->cubic[1], m, p->second, 0.5 * a->step);
         return true;
     }
     return false;
 }
 
 void ancf_apart_learn(ancf_apart* a, const ancf_near* near, const ancf_nearest_pair* found, int n) {
+    const pair* p = &a->now.pair[near->next - 1];
     const int parts = a->cover[near->second].segments;
     int i = 0;
-    for (int k = near->begin; k < near->end && i < n; ++k) {
-        window* w = &a->window[k];
+    for (int k = p->begin; k < p->end; ++k) {
+        window* w = &a->now.window[k];
         while (i < n && found[i].segment < w->piece[0]) ++i;
-        if (i == n || found[i].segment != w->piece[0]) continue;
+        if (i == n) return;
+        if (found[i].segment != w->piece[0]) continue;
         const int part = (int)(found[i].xi[1] * parts);
         if (w->piece[1] != (part < parts ? part : parts - 1)) continue;
         memcpy(w->axis, found[i].normal, sizeof w->axis);

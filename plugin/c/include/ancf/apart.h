@@ -17,7 +17,7 @@ typedef struct {
     uint64_t segments;   // of the first where they may, as bits
     double reach;        // [m]
     ancf_cubic cubic[2]; // in the middle of the step
-    int begin, end;      // windows of the pair
+    int next;            // number of the pair after it
 } ancf_near;
 
 // cover: (n_elements), kept by the caller.
