@@ -5,6 +5,9 @@
 
 enum { SEGMENTS_MAX = 64 }; // of an element
 
+// So many times their thickness beyond what is looked for, curves are searched with the same care.
+static const double beyond = 0.5;
+
 // Along one run, places nearer than this many radii never touch: however strongly a cable bends, it does not kick.
 static const double neighbourhood = 4.0;
 
@@ -58,11 +61,11 @@ int ancf_cross_add(ancf_table* table, ancf_apart* apart, const ancf_cover* cover
     for (ancf_near pair = {0}; ancf_apart_next(&pair, apart, m);) {
         const int e = pair.first, f = pair.second;
         const ancf_cover *p = &cover[e], *q = &cover[f];
-        const int n = ancf_nearest_segments(found, &pair.cubic[0], p->segments, pair.segments, p->radius,
-                                            &pair.cubic[1], q->radius, pair.reach + 0.5 * (p->radius + q->radius));
+        const int n =
+            ancf_nearest_segments(found, &pair.cubic[0], p->segments, pair.segments, p->radius, &pair.cubic[1],
+                                  q->radius, pair.reach, pair.reach + beyond * (p->radius + q->radius));
         ancf_apart_learn(apart, &pair, found, n);
         for (int i = 0; i < n; ++i) {
-            if (!(found[i].gap < pair.reach)) continue;
             if (ancf_cross_neighbours(p, found[i].xi[0], m->element[e].length, q, found[i].xi[1], m->element[f].length))
                 continue;
             const int one =
