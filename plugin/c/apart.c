@@ -34,11 +34,11 @@ struct ancf_apart {
     int n;
     double step;
     int* start;        // (n) of an element's first piece
-    double* third;     // (n) by which a slope moves a control point [m]; 0 for springs
+    double* lever;     // (n_dof) by how much a slope moves a control point [m]; 0 for springs
+    double* margin;    // (n) half of what is looked for at no speed [m]
     double* place;     // (3 x stride) in the middle of the step before
     double* way;       // (3 x stride) from there
-    double* moved;     // (n_dof) magnitude of that, against the mean of the nodes
-    double* rate;      // (n_dof) speed against the mean of the nodes
+    double* size;      // (n_dof) of these, or of velocities, against the mean of the nodes
     double* gone;      // (n) no point of an element has gone farther since windows were set [m]
     double* speed;     // (n) no point of it is faster [m/s]
     double* claim;     // (n) what has gone and what is looked for together [m]
@@ -66,19 +66,19 @@ ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf
     a->cover = cover;
     a->n = m->n_elements;
     a->start = calloc(n, sizeof *a->start);
-    a->third = calloc(n, sizeof *a->third);
+    a->lever = calloc(n_dof, sizeof *a->lever);
+    a->margin = calloc(n, sizeof *a->margin);
     a->place = calloc(field, sizeof *a->place);
     a->way = calloc(field, sizeof *a->way);
-    a->moved = calloc(n_dof, sizeof *a->moved);
-    a->rate = calloc(n_dof, sizeof *a->rate);
+    a->size = calloc(n_dof, sizeof *a->size);
     a->gone = calloc(n, sizeof *a->gone);
     a->speed = calloc(n, sizeof *a->speed);
     a->claim = calloc(n, sizeof *a->claim);
     a->looked = calloc(n, sizeof *a->looked);
     a->cubic = calloc(n, sizeof *a->cubic);
     a->box = calloc(pieces, sizeof *a->box);
-    if (!a->start || !a->third || !a->place || !a->way || !a->moved || !a->rate || !a->gone || !a->speed || !a->claim ||
-        !a->looked || !a->cubic || !a->box) {
+    if (!a->start || !a->lever || !a->margin || !a->place || !a->way || !a->size || !a->gone || !a->speed ||
+        !a->claim || !a->looked || !a->cubic || !a->box) {
         ancf_apart_destroy(a);
         *apart = NULL;
         return ANCF_E_MEMORY;
@@ -86,7 +86,9 @@ ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf
     for (int e = 0, start = 0; e < a->n; ++e) {
         a->start[e] = start;
         start += cover[e].segments;
-        a->third[e] = m->element[e].kind & ANCF_SPRING ? 0.0 : m->element[e].length / 3.0;
+        a->margin[e] = 0.5 * margin_ahead * cover[e].radius;
+        if (m->element[e].kind & ANCF_SPRING) continue;
+        a->lever[m->n_nodes + e] = a->lever[m->n_nodes + a->n + e] = m->element[e].length / 3.0;
     }
     return ANCF_OK;
 }
@@ -94,11 +96,11 @@ ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf
 void ancf_apart_destroy(ancf_apart* a) {
     if (!a) return;
     free(a->start);
-    free(a->third);
+    free(a->lever);
+    free(a->margin);
     free(a->place);
     free(a->way);
-    free(a->moved);
-    free(a->rate);
+    free(a->size);
     free(a->gone);
     free(a->speed);
     free(a->claim);
@@ -284,8 +286,9 @@ int ancf_apart_set(ancf_apart* a, const ancf_boxes* boxes, const ancf_model* m) 
 
 // ---------------------------------------------------------------- followed
 
-// Places ahead of a state, and the ways to there from the places of before.
-ANCF_CLONES static void go(double* place, double* way, const double* x, const double* v, double ahead, int n) {
+// Places ahead of a state, and the ways to there from the places of before; n: of all three blocks.
+ANCF_CLONES static void go(double* restrict place, double* restrict way, const double* restrict x,
+                           const double* restrict v, double ahead, int n) {
     for (int i = 0; i < n; ++i) {
         const double next = x[i] + ahead * v[i];
         way[i] = next - place[i];
@@ -293,49 +296,47 @@ ANCF_CLONES static void go(double* place, double* way, const double* x, const do
     }
 }
 
-ANCF_CLONES static double mean(const double* field, int n) {
-    double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-    for (int i = 0; i < n; ++i) sum += field[i];
-    return sum / n;
-}
-
-// Magnitudes of a field whose nodes have a mean that is left out.
-ANCF_CLONES static void magnitudes(double* size, const double* field, const double mean[3], int n_nodes, int n_dof,
-                                   int stride) {
-    for (int i = 0; i < n_dof; ++i) {
-        const double own = i < n_nodes ? 1.0 : 0.0;
-        const double x = field[i] - own * mean[0], y = field[stride + i] - own * mean[1],
-                     z = field[2 * stride + i] - own * mean[2];
-        size[i] = sqrt(x * x + y * y + z * z);
+// How far or how fast control points go by each unknown, against the mean of the nodes.
+ANCF_CLONES static void against_mean(double* restrict size, const double* restrict field, const double* restrict lever,
+                                     int n_nodes, int n_dof, int stride) {
+    const double *x = field, *y = field + stride, *z = field + 2 * stride;
+    double mean_x = 0.0, mean_y = 0.0, mean_z = 0.0;
+#pragma omp simd reduction(+ : mean_x, mean_y, mean_z)
+    for (int i = 0; i < n_nodes; ++i) {
+        mean_x += x[i];
+        mean_y += y[i];
+        mean_z += z[i];
     }
+    mean_x /= n_nodes;
+    mean_y /= n_nodes;
+    mean_z /= n_nodes;
+    for (int i = 0; i < n_nodes; ++i) {
+        const double a = x[i] - mean_x, b = y[i] - mean_y, c = z[i] - mean_z;
+        size[i] = sqrt(a * a + b * b + c * c);
+    }
+    for (int i = n_nodes; i < n_dof; ++i) size[i] = lever[i] * sqrt(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
 }
 
-static void against_mean(double* size, const double* field, const ancf_model* m) {
-    double all[3];
-    for (int c = 0; c < 3; ++c) all[c] = mean(field + c * m->stride, m->n_nodes);
-    magnitudes(size, field, all, m->n_nodes, m->n_dof, m->stride);
+ANCF_CLONES static void larger_ends(double* restrict larger, const double* restrict size, const int* restrict ends,
+                                    int n_nodes, int n) {
+    const double *start = size + n_nodes, *end = start + n;
+    for (int e = 0; e < n; ++e) {
+        const double a = size[ends[2 * e]] + start[e], b = size[ends[2 * e + 1]] + end[e];
+        larger[e] = a > b ? a : b;
+    }
 }
 
 void ancf_apart_follow(ancf_apart* a, const ancf_model* m, double step) {
     if (a->now.n_pairs == 0) return; // what is new later is not known to be apart
     a->step = step;
     ++a->looks;
-    for (int c = 0; c < 3; ++c) {
-        const int at = c * m->stride;
-        go(a->place + at, a->way + at, m->x + at, m->v + at, 0.5 * step, m->n_dof);
-    }
-    against_mean(a->moved, a->way, m);
-    against_mean(a->rate, m->v, m);
-    const double *moved_start = a->moved + m->n_nodes, *moved_end = moved_start + m->n_elements;
-    const double *rate_start = a->rate + m->n_nodes, *rate_end = rate_start + m->n_elements;
-    for (int e = 0; e < a->n; ++e) {
-        const int p = m->ends[2 * e], q = m->ends[2 * e + 1];
-        const double third = a->third[e];
-        a->gone[e] += higher(a->moved[p] + third * moved_start[e], a->moved[q] + third * moved_end[e]);
-        a->speed[e] = higher(a->rate[p] + third * rate_start[e], a->rate[q] + third * rate_end[e]);
-        a->claim[e] = a->gone[e] + steps_ahead * step * a->speed[e] + 0.5 * margin_ahead * a->cover[e].radius;
-    }
+    go(a->place, a->way, m->x, m->v, 0.5 * step, 3 * m->stride);
+    against_mean(a->size, a->way, a->lever, m->n_nodes, m->n_dof, m->stride);
+    larger_ends(a->speed, a->size, m->ends, m->n_nodes, a->n);
+    for (int e = 0; e < a->n; ++e) a->gone[e] += a->speed[e];
+    against_mean(a->size, m->v, a->lever, m->n_nodes, m->n_dof, m->stride);
+    larger_ends(a->speed, a->size, m->ends, m->n_nodes, a->n);
+    for (int e = 0; e < a->n; ++e) a->claim[e] = a->gone[e] + steps_ahead * step * a->speed[e] + a->margin[e];
 }
 
 // ---------------------------------------------------------------- asked

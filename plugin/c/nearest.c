@@ -1,4 +1,5 @@
 #include "ancf/nearest.h"
+#include "internal.h"
 
 #include <float.h>
 #include <math.h>
@@ -54,12 +55,12 @@ static power expand(const ancf_cubic* c, const double origin[3]) {
     return p;
 }
 
-static void at(double r[3], const power* p, double t) {
+ANCF_INLINE void at(double r[3], const power* p, double t) {
     for (int k = 0; k < 3; k++) r[k] = p->a[0][k] + t * (p->a[1][k] + t * (p->a[2][k] + t * p->a[3][k]));
 }
 
 // r, r' and r''.
-static void jet(double r[3], double d[3], double dd[3], const power* p, double t) {
+ANCF_INLINE void jet(double r[3], double d[3], double dd[3], const power* p, double t) {
     at(r, p, t);
     for (int k = 0; k < 3; k++) {
         d[k] = p->a[1][k] + t * (2.0 * p->a[2][k] + t * 3.0 * p->a[3][k]);
@@ -266,7 +267,7 @@ static piece part_of(const power* p, double low, double high, const double start
 }
 
 // Square of the distance of a chord from a point; along: where on it, from 0 to 1.
-static double chord_square(double* along, const piece* s, const double point[3]) {
+ANCF_INLINE double chord_square(double* along, const piece* s, const double point[3]) {
     double way[3];
     subtract(way, point, s->start);
     *along = clamp(dot(way, s->chord) * s->inverse, 0.0, 1.0);
