@@ -198,29 +198,23 @@ static bool overlap(const ancf_box* p, const ancf_box* q) {
     return true;
 }
 
-static void part_of(ancf_cubic* part, const ancf_cubic* whole, int i, int n) {
-    const double low = (double)i / n, high = (double)(i + 1) / n, third = (high - low) / 3.0;
-    double start[3], end[3];
-    ancf_cubic_at(part->control[0], whole, low);
-    ancf_cubic_at(part->control[3], whole, high);
-    ancf_cubic_slope(start, whole, low);
-    ancf_cubic_slope(end, whole, high);
-    for (int c = 0; c < 3; ++c) {
-        part->control[1][c] = part->control[0][c] + third * start[c];
-        part->control[2][c] = part->control[3][c] - third * end[c];
-    }
-}
-
 // Boxes of an element's pieces as they are now.
 static void box_pieces(ancf_apart* a, const ancf_boxes* boxes, const ancf_model* m, int e) {
     if (a->looked[e] == a->looks) return;
     a->looked[e] = a->looks;
-    ancf_cubic cubic;
-    ancf_cover_cubic(&cubic, m, m->x, e);
     const int n = a->cover[e].segments;
+    const double third = 1.0 / (3.0 * n);
+    ancf_cubic whole, piece;
+    double(*p)[3] = piece.control, slope[3];
+    ancf_cover_cubic(&whole, m, m->x, e);
+    ancf_cubic_at(p[3], &whole, 0.0);
+    ancf_cubic_slope(slope, &whole, 0.0);
     for (int i = 0; i < n; ++i) {
-        ancf_cubic piece;
-        part_of(&piece, &cubic, i, n);
+        memcpy(p[0], p[3], sizeof p[0]);
+        for (int c = 0; c < 3; ++c) p[1][c] = p[0][c] + third * slope[c];
+        ancf_cubic_at(p[3], &whole, (i + 1.0) / n);
+        ancf_cubic_slope(slope, &whole, (i + 1.0) / n);
+        for (int c = 0; c < 3; ++c) p[2][c] = p[3][c] - third * slope[c];
         ancf_boxes_around(&a->box[a->start[e] + i], boxes, &piece, e);
     }
 }

@@ -24,7 +24,8 @@ struct ancf_boxes {
         int element;
     } * order; // (n) by lower ends along x
     int n_meetings, room_meetings;
-    ancf_meeting* meeting;
+    ancf_meeting *meeting, *spare; // spare: for sorting
+    int* count;                    // (n + 1)
 };
 
 // A slope moves its control point by a third of the element's length; those of springs move nothing.
@@ -47,7 +48,8 @@ ancf_error ancf_boxes_create(ancf_boxes** boxes, const ancf_model* m, const ancf
     b->rest = calloc(3 * (size_t)m->stride, sizeof *b->rest);
     b->box = calloc(n, sizeof *b->box);
     b->order = calloc(n, sizeof *b->order);
-    if (!b->room || !b->reference || !b->rest || !b->lever || !b->moved || !b->box || !b->order) {
+    b->count = calloc(n + 1, sizeof *b->count);
+    if (!b->room || !b->reference || !b->rest || !b->lever || !b->moved || !b->box || !b->order || !b->count) {
         ancf_boxes_destroy(b);
         *boxes = NULL;
         return ANCF_E_MEMORY;
@@ -66,6 +68,8 @@ void ancf_boxes_destroy(ancf_boxes* b) {
     free(b->box);
     free(b->order);
     free(b->meeting);
+    free(b->spare);
+    free(b->count);
     free(b);
 }
 
@@ -152,22 +156,31 @@ static bool overlap(const ancf_box* p, const ancf_box* q) {
     return true;
 }
 
+static bool grow(ancf_meeting** array, int room) {
+    ancf_meeting* grown = realloc(*array, (size_t)room * sizeof *grown);
+    if (!grown) return false;
+    *array = grown;
+    return true;
+}
+
 static bool add_meeting(ancf_boxes* b, int e, int f) {
     if (b->n_meetings == b->room_meetings) {
         const int room = b->room_meetings ? 2 * b->room_meetings : 64;
-        ancf_meeting* grown = realloc(b->meeting, (size_t)room * sizeof *grown);
-        if (!grown) return false;
-        b->meeting = grown;
+        if (!grow(&b->meeting, room) || !grow(&b->spare, room)) return false;
         b->room_meetings = room;
     }
     b->meeting[b->n_meetings++] = (ancf_meeting) {.first = e < f ? e : f, .second = e < f ? f : e};
     return true;
 }
 
-static int by_elements(const void* a, const void* b) {
-    const ancf_meeting *p = a, *q = b;
-    return p->first != q->first ? (p->first > q->first) - (p->first < q->first)
-                                : (p->second > q->second) - (p->second < q->second);
+static int key_of(const ancf_meeting* pair, bool second) { return second ? pair->second : pair->first; }
+
+// Sorts by counting; what is equal stays in its order.
+static void sort(ancf_meeting* to, const ancf_meeting* from, const ancf_boxes* b, bool second) {
+    memset(b->count, 0, (size_t)(b->n + 1) * sizeof *b->count);
+    for (int i = 0; i < b->n_meetings; ++i) ++b->count[key_of(&from[i], second) + 1];
+    for (int e = 0; e < b->n; ++e) b->count[e + 1] += b->count[e];
+    for (int i = 0; i < b->n_meetings; ++i) to[b->count[key_of(&from[i], second)]++] = from[i];
 }
 
 static int by_start(const void* a, const void* b) {
@@ -196,8 +209,11 @@ int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
     b->n_meetings = 0;
     bool enough = true;
     for (int i = 0; i < n && enough; ++i) find_meetings_of(b, m, i, n, &enough);
-    if (b->n_meetings) qsort(b->meeting, (size_t)b->n_meetings, sizeof *b->meeting, by_elements);
-    return enough ? b->n_meetings : -1;
+    if (!enough) return -1;
+    if (b->n_meetings == 0) return 0;
+    sort(b->spare, b->meeting, b, true);
+    sort(b->meeting, b->spare, b, false);
+    return b->n_meetings;
 }
 
 bool ancf_boxes_hold(const ancf_boxes* b, const ancf_model* m) {
