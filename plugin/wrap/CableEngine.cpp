@@ -40,7 +40,7 @@ void CableEngine::changed() {
     touching.reset();
     model.reset();
     pairsChecked = false;
-    trackedIter = -2;
+    openAccounts.clear();
 }
 
 namespace {
