@@ -13,28 +13,19 @@ struct ancf_boxes {
     const ancf_cover* cover;
     int n;
     double ahead;
-    double thickest;   // radius [m]
     double* room;      // (n) [m]
     double* reference; // (3 x stride) state in which the boxes were set
-    double* from;      // (3 x stride) state from which pairs are followed
     double* rest;      // (3 x stride) zero
-    double* rate;      // (n_dof) speeds against the mean of the nodes, as control points move [m/s]
-    ancf_look* look;   // (n)
-    long* looked;      // (n) number of the step in which it was made
-    long looks;
-    double* lever;   // (n_dof) by how much an unknown moves a control point of the curve [-], [m]
-    double* strayed; // (n_dof) from there against the mean of the nodes, as control points move [m]
-    double* moved;   // (n_dof) the same, straight from there [m]
-    ancf_box* box;   // (n)
+    double* lever;     // (n_dof) by how much an unknown moves a control point of the curve [-], [m]
+    double* moved;     // (n_dof) from the reference, as control points move [m]
+    ancf_box* box;     // (n)
     struct start {
         double low;
         int element;
-    } * order;      // (n) by lower ends along x
-    double mean[3]; // of the nodes then [m]
+    } * order; // (n) by lower ends along x
     int n_meetings, room_meetings;
-    ancf_meeting* meeting;
-    ancf_meeting* spare; // those of before, whose room the next ones take
-    int room_spare;
+    ancf_meeting *meeting, *spare; // spare: for sorting
+    int* count;                    // (n + 1)
 };
 
 // A slope moves its control point by a third of the element's length; those of springs move nothing.
@@ -53,23 +44,17 @@ ancf_error ancf_boxes_create(ancf_boxes** boxes, const ancf_model* m, const ancf
     b->room = calloc(n, sizeof *b->room);
     b->reference = calloc(3 * (size_t)m->stride, sizeof *b->reference);
     b->lever = calloc((size_t)m->n_dof, sizeof *b->lever);
-    b->strayed = calloc((size_t)m->n_dof, sizeof *b->strayed);
     b->moved = calloc((size_t)m->n_dof, sizeof *b->moved);
     b->rest = calloc(3 * (size_t)m->stride, sizeof *b->rest);
-    b->rate = calloc((size_t)m->n_dof, sizeof *b->rate);
-    b->look = calloc(n, sizeof *b->look);
-    b->looked = calloc(n, sizeof *b->looked);
-    b->from = calloc(3 * (size_t)m->stride, sizeof *b->from);
     b->box = calloc(n, sizeof *b->box);
     b->order = calloc(n, sizeof *b->order);
-    if (!b->room || !b->reference || !b->from || !b->rest || !b->rate || !b->look || !b->looked || !b->lever ||
-        !b->strayed || !b->moved || !b->box || !b->order) {
+    b->count = calloc(n + 1, sizeof *b->count);
+    if (!b->room || !b->reference || !b->rest || !b->lever || !b->moved || !b->box || !b->order || !b->count) {
         ancf_boxes_destroy(b);
         *boxes = NULL;
         return ANCF_E_MEMORY;
     }
     for (int i = 0; i < m->n_dof; ++i) b->lever[i] = lever(m, i);
-    for (int e = 0; e < b->n; ++e) b->thickest = higher(b->thickest, cover[e].radius);
     return ANCF_OK;
 }
 
@@ -78,17 +63,13 @@ void ancf_boxes_destroy(ancf_boxes* b) {
     free(b->room);
     free(b->reference);
     free(b->lever);
-    free(b->strayed);
-    free(b->from);
     free(b->rest);
-    free(b->rate);
-    free(b->look);
-    free(b->looked);
     free(b->moved);
     free(b->box);
     free(b->order);
     free(b->meeting);
     free(b->spare);
+    free(b->count);
     free(b);
 }
 
@@ -145,79 +126,17 @@ static void hull(ancf_box* box, const ancf_cubic* cubic, double out) {
     }
 }
 
+void ancf_boxes_around(ancf_box* box, const ancf_boxes* b, const ancf_cubic* part, int element) {
+    hull(box, part, b->cover[element].radius + b->room[element] + b->ahead);
+}
+
 void ancf_boxes_of(ancf_box* box, const ancf_boxes* b, const ancf_model* m, int element) {
     ancf_cubic cubic;
     ancf_cover_cubic(&cubic, m, m->x, element);
-    hull(box, &cubic, b->cover[element].radius + b->room[element] + b->ahead);
+    ancf_boxes_around(box, b, &cubic, element);
 }
 
 double ancf_boxes_room(const ancf_boxes* b, int element) { return b->room[element]; }
-
-static void mean_of_nodes(double mean[3], const ancf_model* m, const double* field) {
-    for (int c = 0; c < 3; ++c) {
-        double sum = 0.0;
-        for (int i = 0; i < m->n_nodes; ++i) sum += field[c * m->stride + i];
-        mean[c] = sum / m->n_nodes;
-    }
-}
-
-// Distance of every unknown from a reference that goes with the mean of the nodes.
-ANCF_CLONES static void distances(double* distance, const double* x, const double* reference, const double* lever,
-                                  const double moved[3], int n_nodes, int n_dof, int stride) {
-    for (int i = 0; i < n_dof; ++i) {
-        const double own = i < n_nodes ? 1.0 : 0.0;
-        const double a = x[i] - reference[i] - own * moved[0],
-                     b = x[stride + i] - reference[stride + i] - own * moved[1],
-                     c = x[2 * stride + i] - reference[2 * stride + i] - own * moved[2];
-        distance[i] = lever[i] * sqrt(a * a + b * b + c * c);
-    }
-}
-
-static double stray(ancf_boxes* b, const ancf_model* m) {
-    double moved[3], farthest = 0.0;
-    mean_of_nodes(moved, m, m->x);
-    for (int c = 0; c < 3; ++c) moved[c] -= b->mean[c];
-    distances(b->strayed, m->x, b->from, b->lever, moved, m->n_nodes, m->n_dof, m->stride);
-    for (int i = 0; i < m->n_dof; ++i) farthest = higher(farthest, b->strayed[i]);
-    return farthest;
-}
-
-// Pairs are followed from now: they may have come nearer by what both have strayed, then and since.
-static void follow_from_here(ancf_boxes* b, const ancf_model* m) {
-    for (int k = 0; k < b->n_meetings; ++k) {
-        ancf_meeting* pair = &b->meeting[k];
-        pair->gap -= pair->strayed + ancf_boxes_strayed(b, m, pair->first) + ancf_boxes_strayed(b, m, pair->second);
-        pair->strayed = 0.0;
-    }
-    memcpy(b->from, m->x, 3 * (size_t)m->stride * sizeof *m->x);
-    mean_of_nodes(b->mean, m, m->x);
-    memset(b->strayed, 0, (size_t)m->n_dof * sizeof *b->strayed);
-}
-
-void ancf_boxes_follow(ancf_boxes* b, const ancf_model* m) {
-    if (stray(b, m) > b->thickest) follow_from_here(b, m);
-    double drift[3];
-    mean_of_nodes(drift, m, m->v);
-    distances(b->rate, m->v, b->rest, b->lever, drift, m->n_nodes, m->n_dof, m->stride);
-    ++b->looks;
-}
-
-double ancf_boxes_speed(const ancf_boxes* b, const ancf_model* m, int element) {
-    return larger_end(m, b->rate, element);
-}
-
-double ancf_boxes_strayed(const ancf_boxes* b, const ancf_model* m, int element) {
-    return larger_end(m, b->strayed, element);
-}
-
-const ancf_look* ancf_boxes_look(ancf_boxes* b, const ancf_model* m, int element, double ahead) {
-    ancf_look* look = &b->look[element];
-    if (b->looked[element] == b->looks) return look;
-    b->looked[element] = b->looks;
-    ancf_cover_ahead(&look->cubic, m, element, ahead);
-    hull(&look->box, &look->cubic, b->cover[element].radius);
-    return look;
-}
 
 static bool adjacent(const ancf_model* m, int a, int b) {
     const int *p = &m->ends[2 * a], *q = &m->ends[2 * b];
@@ -237,22 +156,31 @@ static bool overlap(const ancf_box* p, const ancf_box* q) {
     return true;
 }
 
-static bool add_meeting(ancf_boxes* b, int e, int f) {
-    if (b->n_meetings == b->room_meetings) {
-        const int room = b->room_meetings ? 2 * b->room_meetings : 64;
-        ancf_meeting* grown = realloc(b->meeting, (size_t)room * sizeof *grown);
-        if (!grown) return false;
-        b->meeting = grown;
-        b->room_meetings = room;
-    }
-    b->meeting[b->n_meetings++] = (ancf_meeting) {.first = e < f ? e : f, .second = e < f ? f : e, .gap = -INFINITY};
+static bool grow(ancf_meeting** array, int room) {
+    ancf_meeting* grown = realloc(*array, (size_t)room * sizeof *grown);
+    if (!grown) return false;
+    *array = grown;
     return true;
 }
 
-static int by_elements(const void* a, const void* b) {
-    const ancf_meeting *p = a, *q = b;
-    return p->first != q->first ? (p->first > q->first) - (p->first < q->first)
-                                : (p->second > q->second) - (p->second < q->second);
+static bool add_meeting(ancf_boxes* b, int e, int f) {
+    if (b->n_meetings == b->room_meetings) {
+        const int room = b->room_meetings ? 2 * b->room_meetings : 64;
+        if (!grow(&b->meeting, room) || !grow(&b->spare, room)) return false;
+        b->room_meetings = room;
+    }
+    b->meeting[b->n_meetings++] = (ancf_meeting) {.first = e < f ? e : f, .second = e < f ? f : e};
+    return true;
+}
+
+static int key_of(const ancf_meeting* pair, bool second) { return second ? pair->second : pair->first; }
+
+// Sorts by counting; what is equal stays in its order.
+static void sort(ancf_meeting* to, const ancf_meeting* from, const ancf_boxes* b, bool second) {
+    memset(b->count, 0, (size_t)(b->n + 1) * sizeof *b->count);
+    for (int i = 0; i < b->n_meetings; ++i) ++b->count[key_of(&from[i], second) + 1];
+    for (int e = 0; e < b->n; ++e) b->count[e + 1] += b->count[e];
+    for (int i = 0; i < b->n_meetings; ++i) to[b->count[key_of(&from[i], second)]++] = from[i];
 }
 
 static int by_start(const void* a, const void* b) {
@@ -269,17 +197,7 @@ static void find_meetings_of(ancf_boxes* b, const ancf_model* m, int i, int n, b
     }
 }
 
-// What was known of the old pairs, (n_old) sorted, still holds for those that are pairs again.
-static void inherit(ancf_boxes* b, const ancf_meeting* old, int n_old) {
-    for (int i = 0, k = 0; i < b->n_meetings; ++i) {
-        while (k < n_old && by_elements(&old[k], &b->meeting[i]) < 0) ++k;
-        if (k < n_old && by_elements(&old[k], &b->meeting[i]) == 0) b->meeting[i].gap = old[k].gap;
-    }
-}
-
 int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
-    if (b->n_meetings) stray(b, m);
-    follow_from_here(b, m);
     memcpy(b->reference, m->x, 3 * (size_t)m->stride * sizeof *m->x);
     int n = 0;
     for (int e = 0; e < b->n; ++e) {
@@ -288,19 +206,14 @@ int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
         b->order[n++] = (struct start) {b->box[e].low[0], e};
     }
     qsort(b->order, (size_t)n, sizeof *b->order, by_start);
-    ancf_meeting* const old = b->meeting;
-    const int n_old = b->n_meetings;
-    b->meeting = b->spare;
-    const int room = b->room_meetings;
-    b->room_meetings = b->room_spare;
     b->n_meetings = 0;
     bool enough = true;
     for (int i = 0; i < n && enough; ++i) find_meetings_of(b, m, i, n, &enough);
-    if (b->n_meetings) qsort(b->meeting, (size_t)b->n_meetings, sizeof *b->meeting, by_elements);
-    inherit(b, old, n_old);
-    b->spare = old;
-    b->room_spare = room;
-    return enough ? b->n_meetings : -1;
+    if (!enough) return -1;
+    if (b->n_meetings == 0) return 0;
+    sort(b->spare, b->meeting, b, true);
+    sort(b->meeting, b->spare, b, false);
+    return b->n_meetings;
 }
 
 bool ancf_boxes_hold(const ancf_boxes* b, const ancf_model* m) {
@@ -314,7 +227,9 @@ bool ancf_boxes_hold(const ancf_boxes* b, const ancf_model* m) {
     return hold;
 }
 
-ancf_meeting* ancf_boxes_meetings(const ancf_boxes* b, int* n) {
+const ancf_box* ancf_boxes_box(const ancf_boxes* b, int element) { return &b->box[element]; }
+
+const ancf_meeting* ancf_boxes_meetings(const ancf_boxes* b, int* n) {
     *n = b->n_meetings;
     return b->meeting;
 }

@@ -1,6 +1,16 @@
 #include "ancf/cover.h"
+#include "internal.h"
 
 #include <math.h>
+
+// Control points of a field along one axis.
+ANCF_INLINE void control(double p[4], const double* field, const int dof[4], double third, bool spring) {
+    const double start = field[dof[0]], end = field[dof[2]];
+    p[0] = start;
+    p[1] = spring ? start + (end - start) / 3.0 : start + third * field[dof[1]];
+    p[2] = spring ? end + (start - end) / 3.0 : end - third * field[dof[3]];
+    p[3] = end;
+}
 
 void ancf_cover_cubic(ancf_cubic* cubic, const ancf_model* m, const double* x, int element) {
     const double third = m->element[element].length / 3.0;
@@ -8,21 +18,23 @@ void ancf_cover_cubic(ancf_cubic* cubic, const ancf_model* m, const double* x, i
     int dof[4];
     ancf_model_dofs(dof, m, element);
     for (int c = 0; c < 3; ++c) {
-        const double* u = x + c * m->stride;
-        const double start = u[dof[0]], end = u[dof[2]];
-        cubic->control[0][c] = start;
-        cubic->control[1][c] = spring ? start + (end - start) / 3.0 : start + third * u[dof[1]];
-        cubic->control[2][c] = spring ? end + (start - end) / 3.0 : end - third * u[dof[3]];
-        cubic->control[3][c] = end;
+        double p[4];
+        control(p, x + c * m->stride, dof, third, spring);
+        for (int k = 0; k < 4; ++k) cubic->control[k][c] = p[k];
     }
 }
 
 void ancf_cover_ahead(ancf_cubic* cubic, const ancf_model* m, int element, double time) {
-    ancf_cubic rate;
-    ancf_cover_cubic(cubic, m, m->x, element);
-    ancf_cover_cubic(&rate, m, m->v, element);
-    for (int k = 0; k < 4; ++k)
-        for (int c = 0; c < 3; ++c) cubic->control[k][c] += time * rate.control[k][c];
+    const double third = m->element[element].length / 3.0;
+    const bool spring = m->element[element].kind & ANCF_SPRING;
+    int dof[4];
+    ancf_model_dofs(dof, m, element);
+    for (int c = 0; c < 3; ++c) {
+        double p[4], rate[4];
+        control(p, m->x + c * m->stride, dof, third, spring);
+        control(rate, m->v + c * m->stride, dof, third, spring);
+        for (int k = 0; k < 4; ++k) cubic->control[k][c] = p[k] + time * rate[k];
+    }
 }
 
 static int touch_points(ancf_nearest* found, const ancf_cover* cover, const ancf_cubic* cubic, const ancf_solid* solid,

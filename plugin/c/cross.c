@@ -5,14 +5,11 @@
 
 enum { SEGMENTS_MAX = 64 }; // of an element
 
-// So many times their thickness beyond what is looked for in a step, pairs are told apart.
+// So many times their thickness beyond what is looked for, curves are searched with the same care.
 static const double beyond = 0.5;
 
 // Along one run, places nearer than this many radii never touch: however strongly a cable bends, it does not kick.
 static const double neighbourhood = 4.0;
-
-static const double steps_ahead = 0.75;  // what they may do in this many steps from the middle of one is looked for,
-static const double margin_ahead = 0.05; // and this part of the smaller radius besides
 
 bool ancf_cross_neighbours(const ancf_cover* p, double xi, double length1, const ancf_cover* q, double eta,
                            double length2) {
@@ -42,51 +39,15 @@ static void recall(ancf_contact* c, const ancf_model* m, const ancf_memory** las
     c->owed = ancf_owed(own->owed, own->late, a[0]);
 }
 
-// How near a pair has to be to be looked at in a step [m].
-static double reach_of(const ancf_cover* p, const ancf_cover* q, double step, double speed) {
-    return steps_ahead * step * speed + margin_ahead * (p->radius < q->radius ? p->radius : q->radius);
-}
-
-// Distance of two boxes along the axis on which they are farthest apart [m], < 0 if they overlap.
-static double between(const ancf_box* p, const ancf_box* q) {
-    double most = -INFINITY;
-    for (int c = 0; c < 3; ++c) {
-        const double a = p->low[c] - q->high[c], b = q->low[c] - p->high[c], gap = a > b ? a : b;
-        most = gap > most ? gap : most;
-    }
-    return most;
-}
-
-// Places of a pair nearer than `reach`; remembers how near it was. What is near but not so near is looked for as well,
-// so that the pair can rest until it may have come nearer.
-static int find(ancf_nearest_pair* found, ancf_meeting* pair, double reach, ancf_boxes* boxes, const ancf_cover* p,
-                const ancf_cover* q, const ancf_model* m, double ahead) {
-    const ancf_look *a = ancf_boxes_look(boxes, m, pair->first, ahead),
-                    *b = ancf_boxes_look(boxes, m, pair->second, ahead);
-    const double thick = p->radius + q->radius, far = reach + beyond * thick;
-    pair->gap = between(&a->box, &b->box);
-    if (pair->gap > far) return 0;
-    pair->gap = ancf_cubic_clearance(&a->cubic, &b->cubic) - thick;
-    if (pair->gap > far) return 0;
-    const int n = ancf_nearest_cubic(found, &a->cubic, p->segments, p->radius, &b->cubic, q->radius, far);
-    int near = 0;
-    pair->gap = far;
-    for (int i = 0; i < n; ++i) {
-        pair->gap = found[i].gap < pair->gap ? found[i].gap : pair->gap;
-        if (found[i].gap < reach) found[near++] = found[i];
-    }
-    return near;
-}
-
 // A place's contact; left out where it does not come near enough at the velocities of now.
-static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const ancf_meeting* pair,
-                       const ancf_cover* cover, const ancf_model* m, const ancf_laws* law, const ancf_memory** last,
-                       const ancf_memory* end, double step) {
+static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const ancf_near* pair, const ancf_cover* cover,
+                       const ancf_model* m, const ancf_laws* law, const ancf_memory** last, const ancf_memory* end,
+                       double step) {
     const int e[2] = {pair->first, pair->second};
     double v[2][3], opening = 0.0;
     for (int s = 0; s < 2; ++s) ancf_model_at(v[s], m, m->v, e[s], at->xi[s]);
     for (int i = 0; i < 3; i++) opening += at->normal[i] * (v[0][i] - v[1][i]);
-    if (at->gap > reach_of(&cover[e[0]], &cover[e[1]], step, opening < 0.0 ? -opening : 0.0)) return 0;
+    if (at->gap > ancf_apart_reach(&cover[e[0]], &cover[e[1]], step, opening < 0.0 ? -opening : 0.0)) return 0;
     ancf_contact c = {.key = {e[0], e[1], at->segment}, .law = law->normal, .rub = law->rub};
     c.gap = at->gap - 0.5 * step * opening; // from the middle of the step to its start
     int (*add_place)(ancf_table*, const ancf_model*, int, double) =
@@ -104,28 +65,24 @@ static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const anc
     return ancf_table_add_contact(table, &c) < 0 ? -1 : 1;
 }
 
-int ancf_cross_add(ancf_table* table, ancf_boxes* boxes, const ancf_cover* cover, const ancf_model* m,
+int ancf_cross_add(ancf_table* table, ancf_apart* apart, const ancf_cover* cover, const ancf_model* m,
                    const ancf_laws* laws, int kinds, double step, const ancf_memory* last, int n_last) {
     ancf_nearest_pair found[SEGMENTS_MAX];
     const ancf_memory* end = last + n_last;
-    int n, added = 0;
-    ancf_meeting* meeting = ancf_boxes_meetings(boxes, &n);
-    if (n == 0) return 0;
-    ancf_boxes_follow(boxes, m);
-    for (int k = 0; k < n; ++k) {
-        ancf_meeting* pair = &meeting[k];
-        const int e = pair->first, f = pair->second;
+    int added = 0;
+    ancf_apart_follow(apart, m, step);
+    for (ancf_near pair = {0}; ancf_apart_next(&pair, apart, m);) {
+        const int e = pair.first, f = pair.second;
         const ancf_cover *p = &cover[e], *q = &cover[f];
-        const double reach = reach_of(p, q, step, ancf_boxes_speed(boxes, m, e) + ancf_boxes_speed(boxes, m, f));
-        const double strayed = ancf_boxes_strayed(boxes, m, e) + ancf_boxes_strayed(boxes, m, f);
-        if (pair->gap - (strayed + pair->strayed) > reach) continue;
-        pair->strayed = strayed;
-        const int near = find(found, pair, reach, boxes, p, q, m, 0.5 * step);
-        for (int i = 0; i < near; ++i) {
+        const int n =
+            ancf_nearest_segments(found, &pair.cubic[0], p->segments, pair.segments, p->radius, &pair.cubic[1],
+                                  q->radius, pair.reach, pair.reach + beyond * (p->radius + q->radius));
+        ancf_apart_learn(apart, &pair, found, n);
+        for (int i = 0; i < n; ++i) {
             if (ancf_cross_neighbours(p, found[i].xi[0], m->element[e].length, q, found[i].xi[1], m->element[f].length))
                 continue;
             const int one =
-                add_contact(table, &found[i], pair, cover, m, &laws[p->kind * kinds + q->kind], &last, end, step);
+                add_contact(table, &found[i], &pair, cover, m, &laws[p->kind * kinds + q->kind], &last, end, step);
             if (one < 0) return -1;
             added += one;
         }

@@ -1,8 +1,10 @@
 #include "ancf/nearest.h"
+#include "internal.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 enum {
     PIECES_MAX = 16, // of the second cable
@@ -53,12 +55,12 @@ static power expand(const ancf_cubic* c, const double origin[3]) {
     return p;
 }
 
-static void at(double r[3], const power* p, double t) {
+ANCF_INLINE void at(double r[3], const power* p, double t) {
     for (int k = 0; k < 3; k++) r[k] = p->a[0][k] + t * (p->a[1][k] + t * (p->a[2][k] + t * p->a[3][k]));
 }
 
 // r, r' and r''.
-static void jet(double r[3], double d[3], double dd[3], const power* p, double t) {
+ANCF_INLINE void jet(double r[3], double d[3], double dd[3], const power* p, double t) {
     at(r, p, t);
     for (int k = 0; k < 3; k++) {
         d[k] = p->a[1][k] + t * (2.0 * p->a[2][k] + t * 3.0 * p->a[3][k]);
@@ -265,7 +267,7 @@ static piece part_of(const power* p, double low, double high, const double start
 }
 
 // Square of the distance of a chord from a point; along: where on it, from 0 to 1.
-static double chord_square(double* along, const piece* s, const double point[3]) {
+ANCF_INLINE double chord_square(double* along, const piece* s, const double point[3]) {
     double way[3];
     subtract(way, point, s->start);
     *along = clamp(dot(way, s->chord) * s->inverse, 0.0, 1.0);
@@ -594,9 +596,22 @@ static bool settle(spot* best, const power* first, const piece* a, const power* 
     return false;
 }
 
-// Nearest spot of a piece to the other cable; its value is `limit` if there is none below.
-static spot nearest_pair(const power* first, const piece* a, const strand* other, double limit, double speed,
-                         double bend, double margin) {
+// Two cables, made ready to be searched.
+typedef struct {
+    power first;
+    strand other;
+    double bend;   // of the first, at least |r''| [m]
+    double speed;  // of the first, at least |r'| [m]
+    double margin; // rounding of a distance [m]
+    double limit;  // distance below which a place counts [m]
+    double far;    // distance up to which pieces have to be convex for a fast search [m]
+} crossing;
+
+// Nearest spot of a piece of the first to the other; no less than `limit` if there is none below.
+static spot nearest_pair(const crossing* x, const piece* a) {
+    const power* first = &x->first;
+    const strand* other = &x->other;
+    const double limit = x->limit;
     double bound[PIECES_MAX], along[PIECES_MAX][2];
     for (int j = 0; j < other->n; j++) {
         const piece* b = &other->part[j];
@@ -609,12 +624,12 @@ static spot nearest_pair(const power* first, const piece* a, const strand* other
         // Nearly parallel chords are given away by rounding.
         bound[j] = sqrt(chords_square(along[j], a, b)) - sag - 1e-6 * size;
     }
-    spot best = {.t = a->low, .value = limit};
+    spot best = {.t = a->low, .value = x->far};
     for (;;) {
         int j = 0;
         for (int i = 1; i < other->n; i++)
             if (bound[i] < bound[j]) j = i;
-        if (!(bound[j] < best.value)) return best;
+        if (!(bound[j] < lower(best.value, limit))) return best;
         const piece* b = &other->part[j];
         const double top = lower(best.value, bound[j] + 0.25 * (a->bend + b->bend) + 1e-6 * (a->length + b->length));
         spot here;
@@ -623,12 +638,14 @@ static spot nearest_pair(const power* first, const piece* a, const strand* other
         bound[j] = INFINITY;
     }
     // Nearly parallel or strongly bent: along the first only.
-    const field f = {.to = TO_CUBIC, .cubic = *first, .other = other, .speed = speed, .bend = bend, .margin = margin};
+    const field f = {
+        .to = TO_CUBIC, .cubic = *first, .other = other, .speed = x->speed, .bend = x->bend, .margin = x->margin};
     const spot low = probe(&f, a->low), high = probe(&f, a->high);
-    if (!(floor_of(&f, &low, &high) < best.value)) return best;
+    const double below = lower(best.value, limit);
+    if (!(floor_of(&f, &low, &high) < below)) return best;
     const int splits = a->bend > 0.4 * a->length ? SPLITS_MAX : 1; // each takes long
-    const spot here = search(&f, &low, &high, best.value, splits);
-    return here.value < best.value + margin ? here : best;
+    const spot here = search(&f, &low, &high, below, splits);
+    return here.value < best.value + x->margin ? here : best;
 }
 
 static void any_across(double normal[3], const double tangent[3]) {
@@ -661,84 +678,70 @@ static void place_on_cubic(ancf_nearest_pair* place, int segment, const spot* s,
     any_across(place->normal, tangent);
 }
 
-// Pieces whose middles are too far apart for their lengths need no look at their chords.
-double ancf_cubic_clearance(const ancf_cubic* first, const ancf_cubic* second) {
-    enum { PARTS = 4 };
+// Whether the chords of two cubics are farther apart than any place below `limit` can be.
+static bool chords_apart(const ancf_cubic* first, const ancf_cubic* second, double limit) {
     const double* origin = second->control[0];
     const power p = expand(first, origin), q = expand(second, origin);
-    const double bend = bend_of(&p), bend2 = bend_of(&q), bulge = 0.125 * (bend + bend2) / (PARTS * PARTS);
-    piece a[PARTS], b[PARTS];
-    double reach[PARTS][PARTS], start[3], along[2], least;
-    at(start, &p, 0.0);
-    for (int i = 0; i < PARTS; i++) {
-        a[i] = part_of(&p, joint(i, PARTS), joint(i + 1, PARTS), start, bend);
-        for (int k = 0; k < 3; k++) start[k] = a[i].end[k];
+    const double bend = bend_of(&p), bend2 = bend_of(&q), room = limit + 0.125 * (bend + bend2);
+    const piece a = part_of(&p, 0.0, 1.0, p.a[0], bend), b = part_of(&q, 0.0, 1.0, q.a[0], bend2);
+    double along[2];
+    return !(chords_square(along, &a, &b) * (1.0 - 1e-6) < room * room);
+}
+
+static void prepare(crossing* x, const ancf_cubic* first, int segments, const ancf_cubic* second, double limit,
+                    double far) {
+    const double* origin = second->control[0];
+    x->first = expand(first, origin);
+    x->other.cubic = expand(second, origin);
+    const double bend2 = bend_of(&x->other.cubic);
+    x->bend = bend_of(&x->first);
+    x->speed = speed_of(first);
+    x->limit = limit;
+    x->far = far;
+    x->other.n = segments < PIECES_MAX ? segments : PIECES_MAX;
+    double start[3];
+    at(start, &x->other.cubic, 0.0);
+    for (int j = 0; j < x->other.n; j++) {
+        x->other.part[j] = part_of(&x->other.cubic, joint(j, x->other.n), joint(j + 1, x->other.n), start, bend2);
+        memcpy(start, x->other.part[j].end, sizeof start);
     }
-    at(start, &q, 0.0);
-    for (int i = 0; i < PARTS; i++) {
-        b[i] = part_of(&q, joint(i, PARTS), joint(i + 1, PARTS), start, bend2);
-        for (int k = 0; k < 3; k++) start[k] = b[i].end[k];
-    }
-    for (int i = 0; i < PARTS; i++)
-        for (int j = 0; j < PARTS; j++) {
-            double square = 0.0;
-            for (int k = 0; k < 3; k++) {
-                const double d = a[i].start[k] + a[i].end[k] - b[j].start[k] - b[j].end[k];
-                square += d * d;
-            }
-            reach[i][j] = 0.5 * (sqrt(square) - a[i].length - b[j].length);
-        }
-    int first_i = 0, first_j = 0;
-    for (int i = 0; i < PARTS; i++)
-        for (int j = 0; j < PARTS; j++)
-            if (reach[i][j] < reach[first_i][first_j]) first_i = i, first_j = j;
-    least = sqrt(chords_square(along, &a[first_i], &b[first_j]));
-    reach[first_i][first_j] = INFINITY;
-    for (int i = 0; i < PARTS; i++)
-        for (int j = 0; j < PARTS; j++)
-            if (reach[i][j] < least) least = lower(least, sqrt(chords_square(along, &a[i], &b[j])));
-    return least - bulge;
+    x->margin =
+        4.0 * DBL_EPSILON * (x->speed + bend2 + sqrt(dot(x->first.a[0], x->first.a[0])) + sqrt(dot(start, start)));
+}
+
+// The place of a segment; false if it has none below the limit.
+static bool place_of(ancf_nearest_pair* place, const crossing* x, int i, int segments, const ancf_cubic* first,
+                     const ancf_cubic* second, double radii) {
+    double start[3];
+    at(start, &x->first, joint(i, segments));
+    const piece part = part_of(&x->first, joint(i, segments), joint(i + 1, segments), start, x->bend);
+    const spot best = nearest_pair(x, &part);
+    if (!(best.value < x->limit)) return false;
+    place_on_cubic(place, i, &best, first, second, radii, x->margin);
+    return true;
 }
 
 int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int segments, double radius1,
                        const ancf_cubic* second, double radius2, double reach) {
-    const double limit = radius1 + radius2 + reach;
-    if (boxes_apart(first, second, limit)) return 0;
-    const double* origin = second->control[0];
-    const power p = expand(first, origin);
-    strand other = {.cubic = expand(second, origin)};
-    const double bend = bend_of(&p), bend2 = bend_of(&other.cubic);
-    double along[2], start[3];
-    at(start, &p, 0.0);
-    const piece whole = part_of(&p, 0.0, 1.0, start, bend);
-    at(start, &other.cubic, 0.0);
-    const piece whole2 = part_of(&other.cubic, 0.0, 1.0, start, bend2);
-    const double room = limit + 0.125 * (bend + bend2), near = chords_square(along, &whole, &whole2);
-    if (!(near * (1.0 - 1e-6) < room * room)) return 0;
+    const double radii = radius1 + radius2, limit = radii + reach;
+    if (boxes_apart(first, second, limit) || chords_apart(first, second, limit)) return 0;
+    crossing x;
+    prepare(&x, first, segments, second, limit, limit);
+    int n = 0;
+    for (int i = 0; i < segments; i++)
+        if (place_of(&found[n], &x, i, segments, first, second, radii) && found[n].gap < reach) n++;
+    return n;
+}
 
-    const double speed = speed_of(first);
-    const double margin =
-        4.0 * DBL_EPSILON * (speed + bend2 + sqrt(dot(p.a[0], p.a[0])) + sqrt(dot(whole2.end, whole2.end)));
-    other.n = segments < PIECES_MAX ? segments : PIECES_MAX;
-    for (int j = 0; j < other.n; j++) {
-        other.part[j] = part_of(&other.cubic, joint(j, other.n), joint(j + 1, other.n), start, bend2);
-        other.part[j].length = sqrt(dot(other.part[j].chord, other.part[j].chord));
-        for (int k = 0; k < 3; k++) start[k] = other.part[j].end[k];
-    }
-    at(start, &p, 0.0);
+int ancf_nearest_segments(ancf_nearest_pair* found, const ancf_cubic* first, int segments, uint64_t which,
+                          double radius1, const ancf_cubic* second, double radius2, double reach, double far) {
+    const double radii = radius1 + radius2;
+    crossing x;
+    prepare(&x, first, segments, second, radii + reach, radii + far);
     int n = 0;
     for (int i = 0; i < segments; i++) {
-        piece s = part_of(&p, joint(i, segments), joint(i + 1, segments), start, bend);
-        s.length = sqrt(dot(s.chord, s.chord));
-        for (int k = 0; k < 3; k++) start[k] = s.end[k];
-        double middle[3];
-        for (int k = 0; k < 3; k++) middle[k] = 0.5 * (s.start[k] + s.end[k]);
-        const double far = limit + 0.5 * s.length + 0.125 * (s.bend + bend2);
-        if (!(chord_square(along, &whole2, middle) < far * far)) continue;
-        const spot best = nearest_pair(&p, &s, &other, limit, speed, bend, margin);
-        if (!(best.value < limit)) continue;
-        place_on_cubic(&found[n], i, &best, first, second, radius1 + radius2, margin);
-        if (found[n].gap < reach) n++;
+        if (!(which >> i & 1)) continue;
+        if (place_of(&found[n], &x, i, segments, first, second, radii) && found[n].gap < reach) n++;
     }
     return n;
 }

@@ -45,6 +45,7 @@ namespace {
 void CableContacts::reset() {
     table.reset();
     boxes.reset();
+    apart.reset();
     shown->model = nullptr;
     shown->boxes = nullptr;
     awake.clear();
@@ -103,6 +104,9 @@ void CableContacts::build(CableEngine& cable) {
     table.reset(newTable);
     if (ancf_boxes_create(&newBoxes, m, shown->cover.data())) outOfMemory();
     boxes.reset(newBoxes);
+    ancf_apart* newApart = nullptr;
+    if (ancf_apart_create(&newApart, m, shown->cover.data())) outOfMemory();
+    apart.reset(newApart);
     plan(cable);
     shown->boxes = boxes.get();
     shown->model = m;
@@ -136,6 +140,7 @@ void CableContacts::lookAround(const CableEngine& cable) {
     }();
     if (!outgrown && !ran) return;
     if (ancf_boxes_set(boxes.get(), cable.theModel()) < 0) outOfMemory();
+    if (ancf_apart_set(apart.get(), boxes.get(), cable.theModel()) < 0) outOfMemory();
     placeBodies(cable);
     awake.clear();
     for (int e = 0; e < cable.nElements(); ++e)
@@ -289,7 +294,7 @@ void CableContacts::addCouplings(const CableEngine& cable) {
 void CableContacts::addCrossings(CableEngine& cable) {
     const ancf_model* m = cable.theModel();
     firstCrossing = ancf_table_contacts(table.get());
-    added(ancf_cross_add(table.get(), boxes.get(), shown->cover.data(), m, laws.data(), kinds, cable.scene->dt,
+    added(ancf_cross_add(table.get(), apart.get(), shown->cover.data(), m, laws.data(), kinds, cable.scene->dt,
                          memory.data(), static_cast<int>(memory.size())));
 }
 

@@ -26,6 +26,7 @@ class CableContacts {
     };
     std::unique_ptr<ancf_table, Deleter<ancf_table, ancf_table_destroy>> table;
     std::unique_ptr<ancf_boxes, Deleter<ancf_boxes, ancf_boxes_destroy>> boxes;
+    std::unique_ptr<ancf_apart, Deleter<ancf_apart, ancf_apart_destroy>> apart;
 
     struct Entry { // of a body in the table
         Body::id_t id;

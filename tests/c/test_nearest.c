@@ -601,6 +601,34 @@ static void same_in_same_out(void** state) {
     }
 }
 
+// Places of some segments are those of all, to the last bit, and a smaller reach only leaves places out.
+static void segments_by_themselves(void** state) {
+    (void)state;
+    uint64_t seed = 14;
+    int left_out = 0;
+    for (int i = 0; i < 2000; i++) {
+        const ancf_cubic a = random_arc(&seed, 0.2, 1.0, 1.0), b = random_arc(&seed, 0.2, 1.0, 1.0);
+        const uint64_t which = (uint64_t)i % (1 << SEGMENTS);
+        const double far = 0.3, reach = i % 2 ? far : 0.1;
+        ancf_nearest_pair all[SEGMENTS], some[SEGMENTS];
+        const int n = ancf_nearest_cubic(all, &a, SEGMENTS, 0.01, &b, 0.02, far),
+                  m = ancf_nearest_segments(some, &a, SEGMENTS, which, 0.01, &b, 0.02, reach, far);
+        int k = 0;
+        for (int j = 0; j < n; j++) {
+            if (!(which >> all[j].segment & 1)) continue;
+            if (!(all[j].gap < reach)) {
+                left_out++;
+                continue;
+            }
+            assert_true(k < m && some[k].segment == all[j].segment && some[k].gap == all[j].gap);
+            assert_true(some[k].xi[0] == all[j].xi[0] && some[k].xi[1] == all[j].xi[1]);
+            k++;
+        }
+        assert_int_equal(k, m);
+    }
+    assert_true(left_out > 100);
+}
+
 static void curves_and_slopes(void** state) {
     (void)state;
     uint64_t seed = 13;
@@ -634,7 +662,7 @@ int main(void) {
         cmocka_unit_test(wild_cables_on_cables),       cmocka_unit_test(straight_lines),
         cmocka_unit_test(along_is_held_in_the_middle), cmocka_unit_test(gaps_move_with_the_scene),
         cmocka_unit_test(degenerate_cables),           cmocka_unit_test(same_in_same_out),
-        cmocka_unit_test(curves_and_slopes),
+        cmocka_unit_test(curves_and_slopes),           cmocka_unit_test(segments_by_themselves),
     };
     return cmocka_run_group_tests_name("nearest", tests, NULL, NULL);
 }

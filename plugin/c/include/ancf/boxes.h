@@ -13,8 +13,6 @@ typedef struct {
 
 typedef struct {
     int first, second; // first < second
-    double gap;        // they were no nearer than this [m]
-    double strayed;    // when they had strayed this far together from where they are followed from [m]
 } ancf_meeting;
 
 typedef struct ancf_boxes ancf_boxes;
@@ -30,6 +28,9 @@ void ancf_boxes_plan(ancf_boxes* boxes, const ancf_model* m, double step, int st
 // Box of an element as it is now, with its room.
 void ancf_boxes_of(ancf_box* box, const ancf_boxes* boxes, const ancf_model* m, int element);
 
+// The same for a part of its cubic.
+void ancf_boxes_around(ancf_box* box, const ancf_boxes* boxes, const ancf_cubic* part, int element);
+
 // How far an element may move along each axis while its box holds [m].
 double ancf_boxes_room(const ancf_boxes* boxes, int element);
 
@@ -40,25 +41,11 @@ int ancf_boxes_set(ancf_boxes* boxes, const ancf_model* m);
 // Whether all boxes hold.
 bool ancf_boxes_hold(const ancf_boxes* boxes, const ancf_model* m);
 
-ancf_meeting* ancf_boxes_meetings(const ancf_boxes* boxes, int* n);
+// Sorted by first, then second.
+const ancf_meeting* ancf_boxes_meetings(const ancf_boxes* boxes, int* n);
 
-// Follows the motion of all, once a step: speeds and ways against the mean of the nodes.
-void ancf_boxes_follow(ancf_boxes* boxes, const ancf_model* m);
-
-// No point of an element moves faster than this [m/s].
-double ancf_boxes_speed(const ancf_boxes* boxes, const ancf_model* m, int element);
-
-// No point of an element is farther than this from where pairs are followed from [m].
-double ancf_boxes_strayed(const ancf_boxes* boxes, const ancf_model* m, int element);
-
-// An element as it will be a time from now.
-typedef struct {
-    ancf_cubic cubic;
-    ancf_box box; // around the cubic, its thickness included
-} ancf_look;
-
-// Made once a step for each element, where it is asked for.
-const ancf_look* ancf_boxes_look(ancf_boxes* boxes, const ancf_model* m, int element, double ahead);
+// Box of an element when they were set; nothing for one that touches nothing.
+const ancf_box* ancf_boxes_box(const ancf_boxes* boxes, int element);
 
 // Largest speed of a node, or of a slope over a third of its element [m/s].
 double ancf_boxes_fastest(const ancf_model* m);

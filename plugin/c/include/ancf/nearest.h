@@ -6,6 +6,7 @@
 #define ANCF_NEAREST_H
 
 #include "solid.h"
+#include <stdint.h>
 
 // Centreline of an element: r(xi) = sum of Bernstein's polynomials times control points, xi in [0, 1].
 typedef struct {
@@ -40,7 +41,9 @@ int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segment
 int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int segments, double radius1,
                        const ancf_cubic* second, double radius2, double reach);
 
-// No distance between two centrelines is smaller; cheaper than finding the smallest [m].
-double ancf_cubic_clearance(const ancf_cubic* first, const ancf_cubic* second);
+// The same for those segments of the first, up to 64, whose bits are set in `which`. Pieces nearer than `far` [m] are
+// searched with the same care, so that a place is the same whatever the reach.
+int ancf_nearest_segments(ancf_nearest_pair* found, const ancf_cubic* first, int segments, uint64_t which,
+                          double radius1, const ancf_cubic* second, double radius2, double reach, double far);
 
 #endif
