@@ -4,6 +4,7 @@
 
 #include "CableNodes.hpp"
 #include "CableRest.hpp"
+#include "Drive.hpp"
 
 #include <pkg/dem/NewtonIntegrator.hpp>
 
@@ -138,8 +139,7 @@ void CableEngine::relax(Real tolerance, int iterations) {
     if (anyCoupled)
         refuse("relax: a body is carried off its centre or guided, and would have to turn: let the scene come to rest "
                "instead");
-    for (const auto& engine : s.engines)
-        if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get())) gravity = newton->gravity;
+    if (const NewtonIntegrator* newton = newtonOf(s)) gravity = newton->gravity;
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
     std::fill_n(model->external, position.size(), 0);
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);

@@ -363,6 +363,33 @@ def test_mechanism_has_no_equilibrium(cable):
         cable.relax(1e-9, iterations=2000)
 
 
+def test_gravity_of_an_integrator_switched_off_does_not_count(cable):
+    """A body that slides down a guide, and a second NewtonIntegrator that is dead."""
+    slider = ball((0, 1, 0), 0.01, mass=1.0, material="cable")
+    guide = ancf.GuideEngine()
+    guide.add(slider, direction=(0, 0, 1))
+    engines = ancf.engines(cable, gravity=(0, 0, -10))
+    O.engines = [*engines[:-1], guide, engines[-1], NewtonIntegrator(damping=0, dead=True)]
+    O.step()
+    assert O.bodies[slider].state.vel[2] == pytest.approx(-10 * O.dt)
+
+
+@pytest.mark.parametrize("masks, avoided", [((1, 2), 0), ((5, 6), 4)])
+def test_step_without_pairs_that_masks_keep_apart(cable, masks, avoided):
+    def grains(masks):
+        for i, mask in enumerate(masks):
+            ball((0, i, 1), 1e-3, mass=1e-6, material="cable", mask=mask)
+
+    O.engines = ancf.engines(cable)
+    O.engines[1].avoidSelfInteractionMask |= avoided
+    alone = ancf.timeStep()
+    assert alone == cable.criticalTimeStep()
+    grains(masks)
+    assert ancf.timeStep() == alone
+    grains(masks[:1] if not avoided else (1, 1))
+    assert ancf.timeStep() < alone
+
+
 def test_scene_without_cables_is_untouched(scene):
     material("m")
     plane((0, 0, -0.1), (1, 1, 0.1), material="m")
