@@ -2,6 +2,7 @@
 // What the engine tells: places, forces, energies, momenta; and rest.
 #include "CableEngine.hpp"
 
+#include "CableCheck.hpp"
 #include "CableNodes.hpp"
 #include "CableRest.hpp"
 #include "Drive.hpp"
@@ -136,6 +137,9 @@ void CableEngine::relax(Real tolerance, int iterations) {
                                          ": both must be above 0"));
     Scene& s = theScene();
     build();
+    const CableCheck check(*this);
+    check.others();
+    check.partners(0);
     if (anyCoupled)
         refuse("relax: a body is carried off its centre or guided, and would have to turn: let the scene come to rest "
                "instead");
