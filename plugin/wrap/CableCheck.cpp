@@ -76,18 +76,6 @@ CableCheck::CableCheck(const CableEngine& engine) : cable(engine) {
     }
 }
 
-void CableCheck::lengths() const {
-    for (const auto& [mask, bodies] : elements)
-        for (const Body* body : bodies) {
-            const int e = CableElement::of(*body)->element;
-            const Real length = cable.length[e], thickness = 2 * cable.radius[e];
-            if (length < thickness)
-                cable.refuse(text(nameOf(*body), " is ", length, " m long, but ", thickness,
-                                  " m thick: contact needs elements no shorter than that; take fewer of them, or let "
-                                  "the cable touch nothing (contactPoints=0)"));
-        }
-}
-
 void CableCheck::others() const {
     for (const auto& engine : cable.theScene().engines) {
         const auto* other = dynamic_cast<const CableEngine*>(engine.get());

@@ -37,7 +37,6 @@ class CableCheck {
 public:
     explicit CableCheck(const CableEngine& cable); // refuses bodies that were erased
 
-    void lengths() const;                      // elements are no shorter than they are thick
     void others() const;                       // no cable of another engine, nor what it carries
     void partners(Body::id_t first) const;     // bodies from a number on
     vector<Overlap> overlaps(Real part) const; // deeper than a part of the smaller radius, of a built engine

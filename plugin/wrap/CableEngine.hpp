@@ -184,7 +184,7 @@ public:
         .def("momentum", &CableEngine::momentum, "(linear [kg m/s], angular about the origin [kg m²/s]), with the masses carried at knots.")
         .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cables at their strain now, at least 0.1, whether they touch or not [s].")
         .def("relax", &CableEngine::relax, (py::arg("tolerance"), py::arg("iterations")), "Moves the cables to static equilibrium, on what they lie on, without friction; RuntimeError if there is none, or a body that they press on may move.")
-        .def("check", &CableEngine::check, "Refuses what cables may meet and cannot compute: elements too short, cables of other engines, bodies of other shapes, without size, elastic constants, or a mass to move with. RuntimeError that names the body. Done by ancf.check().")
+        .def("check", &CableEngine::check, "Refuses what cables may meet and cannot compute: cables of other engines, bodies of other shapes, without size, elastic constants, or a mass to move with. RuntimeError that names the body. Done by ancf.check().")
         .def("overlaps", &CableEngine::overlaps, (py::arg("part")), "What cables, and spheres that knots carry, overlap now by more than a part of the smaller radius: tuples of an element or carried sphere, a body, the place [m], the depth and the smaller radius [m].")
         .def("build", &CableEngine::build, "Checks everything and gets ready; done by itself at the first step.")
     )

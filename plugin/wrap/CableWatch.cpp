@@ -80,7 +80,6 @@ void CableEngine::checkPartners() {
 void CableEngine::check() {
     checkScene();
     const CableCheck check(*this);
-    check.lengths();
     check.others();
     check.partners(0);
 }

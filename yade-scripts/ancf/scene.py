@@ -191,6 +191,7 @@ def check():
     _checkLaw()
     for engine in cableEngines():
         if O.iter == 0 or engine.lastStep == 0:
+            _checkLengths(engine)
             _checkOverlaps(engine)
 
 
@@ -224,6 +225,22 @@ def _halfSize(body):
     turn = body.state.ori.toRotationMatrix()
     turn = np.array([[turn[i, j] for j in range(3)] for i in range(3)])
     return np.abs(turn) @ np.array(list(body.shape.extents))
+
+
+def _checkLengths(engine):
+    """Warns of elements that touch and are shorter than they are thick."""
+    bodies, lengths = engine.elementIds, engine.length
+    thick = [2 * r for r in engine.radius]
+    short = [e for e, i in enumerate(bodies) if i >= 0 and lengths[e] < (1 - 1e-9) * thick[e]]
+    if not short:
+        return
+    e = min(short, key=lambda e: lengths[e] / thick[e])
+    warnings.warn(
+        f"{_name(O.bodies[bodies[e]])} is {lengths[e]:.3g} m long, but {thick[e]:.3g} m thick, the worst of "
+        f"{len(short)} such elements of CableEngine {engine.family}: one body touches several of them at once, and "
+        "the contact is stiffer than its materials are; take fewer elements, or midPoints",
+        stacklevel=3,
+    )
 
 
 def _checkOverlaps(engine):
