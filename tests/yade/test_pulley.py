@@ -632,7 +632,7 @@ def test_bad_input(scene):
     with refused("narrower"):
         pulleys.engines(wide, engine)
     coarse = ancf.Cable([(-0.2, 0, 0.0511), (0.2, 0, 0.0511)], 4, diameter=D, material="cable")
-    with pytest.warns(UserWarning, match="chord error"):
+    with pytest.warns(UserWarning, match="elements of 0.1 m on sheave 0 .* stray"):
         pulleys.engines(coarse, engine)
 
 
