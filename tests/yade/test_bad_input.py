@@ -2,6 +2,7 @@
 scene lives on.
 """
 
+import copy
 import math
 import warnings
 
@@ -299,7 +300,7 @@ def test_body_at_a_knot_erased(cable, how):
     O.engines = ancf.engines(cable)
     O.step()
     O.bodies.erase(number)
-    with pytest.raises(RuntimeError, match=f"body {number}, which node 2 {how[:-1]}.*was erased"):
+    with pytest.raises(RuntimeError, match=f"body {number}, which node 1 {how[:-1]}.*was erased"):
         O.step()
 
 
@@ -422,9 +423,9 @@ def test_shapes_that_cables_do_not_touch(cable, shape, when):
     number = strange(shape)
     told = rf"body {number} \({shape}\) can meet cables, which do not touch such a shape.*groupMask"
     toldInTime(told)
-    O.bodies[number].mask = 2
-    O.engines[2].geomDispatcher.functors  # noqa: B018
-    ancf.check()
+    if isinstance(O.bodies[number].shape, wrapper.Sphere):  # else it lacks functors, too
+        O.bodies[number].mask = 2
+        ancf.check()
 
 
 def test_shape_that_a_carried_ball_may_meet(cable):
@@ -451,7 +452,7 @@ def test_partner_that_cannot_be_computed(cable, where, value, word):
     O.engines = ancf.engines(cable)
     number = ball((0.5, 0, 3), 0.1, mass=1.0, material="cable")
     part, name = where.split(".")
-    good = getattr(getattr(O.bodies[number], part), name)
+    good = copy.copy(getattr(getattr(O.bodies[number], part), name))
     setattr(getattr(O.bodies[number], part), name, value)
     toldInTime(rf"body {number} \(Sphere\).*{word}")
     setattr(getattr(O.bodies[number], part), name, good)
@@ -460,13 +461,21 @@ def test_partner_that_cannot_be_computed(cable, where, value, word):
 
 
 def test_partner_in_touch_does_not_end_yade(cable):
-    """Refused although functors meet it before the engine; once it is mended, it touches."""
-    number = ball((0.5, 0, 0.1), 0.1, material="cable")
+    """Hertz has no stiffness for it, which an Ip2 functor cannot tell."""
+    number = ball((0.5, 0, 0), 0.1, material="cable")
     O.bodies[number].shape.radius = 0
     O.engines = ancf.engines(cable)
-    with pytest.raises(RuntimeError, match=f"body {number} .*shape.radius = 0"):
+    toldInTime(f"body {number} .*shape.radius = 0")
+
+
+def test_partner_that_was_mended_touches(cable):
+    """Though the collider saw no elements in the step that was refused."""
+    number = ball((0.5, 0, 0.10046), 0.1, mass=1.0, material="cable")
+    O.bodies[number].state.mass = 0
+    O.engines = ancf.engines(cable)
+    with pytest.raises(RuntimeError, match=f"body {number} .*state.mass = 0"):
         O.step()
-    O.bodies[number].shape.radius = 0.1
+    O.bodies[number].state.mass = 1
     steps(2)
     assert cable.engine.contacts > 0
 
@@ -514,17 +523,12 @@ def test_partner_without_a_material(cable):
     toldInTime(f"body {number} .*its material is None")
 
 
-@pytest.mark.parametrize("division", [dict(), dict(model="springs", midPoints=9)])
-def test_elements_shorter_than_thick(cable, division):
-    thick = (
-        ancf.Cable(
-            [(0, 0, 1), (1, 0, 1)], 10, **{**division, **dict(diameter=0.2, material="cable")}
-        )
-        if not division
-        else ancf.Cable([(0, 0, 1), (1, 0, 1)], diameter=0.2, material="cable", **division)
-    )
-    O.engines = ancf.engines(thick)
-    with pytest.warns(UserWarning, match=r"body 0 \(CableElement 0.*0.1 m long, but 0.2 m thick"):
+@pytest.mark.parametrize("division", [dict(elements=10), dict(model="springs", midPoints=9)])
+def test_elements_shorter_than_thick(scene, division):
+    material("cable")
+    O.engines = ancf.engines(ancf.Cable(LINE, diameter=0.2, material="cable", **division))
+    told = r"body \d \(CableElement .*0.1 m long, but 0.2 m thick.* 10 such elements"
+    with pytest.warns(UserWarning, match=told):
         ancf.check()
 
 
@@ -585,14 +589,14 @@ def test_cable_curved_into_a_ball(scene):
     toldInTime(rf"body 1 \(CableElement 1.*and body {number} .*overlap", ValueError)
 
 
-@pytest.mark.parametrize("apart", [4e-4, 7e-4, 9.6e-4])
+@pytest.mark.parametrize("apart", [4e-4, 8e-4, 9.6e-4])
 def test_cable_in_a_cable(cable, apart):
     other = ancf.Cable([(0.3, -1, apart), (0.3, 1, apart)], 1, **GOOD)
     O.engines = ancf.engines(cable, other)
     told = startsWithin(0, 2, 1e-3 - apart, round((1e-3 - apart) / 5e-6))
     if apart == 4e-4:
         toldInTime(told, ValueError)
-    elif apart == 7e-4:
+    elif apart == 8e-4:
         with pytest.warns(UserWarning, match=told):
             ancf.check()
     else:
@@ -669,9 +673,13 @@ def test_law_that_does_not_reach_cables(cable, name, value):
 def test_strays_from_the_arc_of_a_sheave(scene):
     """What is told is how far the cable is from its arc."""
     material("cable")
-    wheel = pulleys.sheave((0, 0, 0), 0.05, width=0.01, material="cable", profile="flat")
-    path = pulleys.Path([(wheel, 1)], start=(-0.05, 0, -1), end=(0.05, 0, -1), diameter=4e-3)
-    given = dict(diameter=4e-3, material="cable")
+    pulleys.sheave((0, 0, 0), 0.05, axis=(0, 0, 1), width=0.01, material="cable", profile="flat")
+    radius = 0.052
+
+    def ring(n, **options):
+        angles = np.arange(n) * 2 * math.pi / n
+        points = [(radius * math.cos(a), radius * math.sin(a), 0) for a in angles]
+        return ancf.Cable(points, diameter=4e-3, material="cable", closed=True, **options)
 
     def told(cable):
         with warnings.catch_warnings(record=True) as caught:
@@ -679,24 +687,18 @@ def test_strays_from_the_arc_of_a_sheave(scene):
             pulleys.check(cable)
         return [str(w.message) for w in caught]
 
-    fine = pulleys.lay(path, 40, **given)
-    radius = 0.052
-    assert told(fine) == []
-    coarse = pulleys.lay(path, 22, **given)
-    at = coarse.curve(64)
-    arc = at[at[:, 2] > 0]
-    strays = radius - np.hypot(arc[:, 0], arc[:, 2]).min()
-    (text,) = told(coarse)
-    assert "elements of" in text and "contact" not in text
-    found = float(text.split("stray from its arc by ")[1].split()[0])
-    assert found == pytest.approx(strays, rel=0.2)
-    (text,) = told(pulleys.lay(path, 40, contact="points", contactPoints=1, **given))
-    assert "contact points 0.0" in text and "elements or contactPoints" in text
-    springs = ancf.Cable(
-        [(-0.2, 0, 0.0521), (0.2, 0, 0.0521)], model="springs", midPoints=3, **given
-    )
-    (text,) = told(springs)
-    assert "straight springs of 0.1 m" in text and "midPoints" in text
+    assert told(ring(14)) == []
+    for cable, what, remedy in (
+        (ring(5), "elements of 0.065", "elements make"),
+        (ring(20, model="springs"), "straight springs of 0.0163", "midPoints make"),
+    ):
+        (text,) = told(cable)
+        assert what in text and remedy in text
+        found = float(text.split("stray from its arc by ")[1].split()[0])
+        strays = radius - np.hypot(*cable.curve(64)[:, :2].T).min()
+        assert found == pytest.approx(strays, rel=0.1)
+    (text,) = told(ring(14, contact="points", contactPoints=1))
+    assert "contact points 0.0117 m apart" in text and "elements or contactPoints make" in text
 
 
 # ---- engines ---------------------------------------------------------------------------------------
