@@ -468,16 +468,25 @@ def test_partner_in_touch_does_not_end_yade(cable):
     toldInTime(f"body {number} .*shape.radius = 0")
 
 
-def test_partner_that_was_mended_touches(cable):
+@pytest.mark.parametrize("begun", [False, True])
+def test_partner_that_was_mended_touches(cable, begun):
     """Though the collider saw no elements in the step that was refused."""
-    number = ball((0.5, 0, 0.10046), 0.1, mass=1.0, material="cable")
+    if begun:
+        O.engines = ancf.engines(cable)
+        steps(3)
+    upper = above()
+    number = ball((0.5, 0, 1.10046), 0.1, mass=1.0, material="cable")
+    if begun:
+        upper.append(engine=cable.engine)
+    else:
+        O.engines = ancf.engines(cable, upper)
     O.bodies[number].state.mass = 0
-    O.engines = ancf.engines(cable)
-    with pytest.raises(RuntimeError, match=f"body {number} .*state.mass = 0"):
-        O.step()
+    for _ in range(3):
+        with pytest.raises(RuntimeError, match=f"body {number} .*state.mass = 0"):
+            O.step()
     O.bodies[number].state.mass = 1
     O.step()
-    assert cable.engine.contacts > 0
+    assert upper.engine.contacts > 0
 
 
 def test_clump_without_mass(cable):
