@@ -456,7 +456,7 @@ def _checkStart(structure, sheaveId):
     what, error, remedy = _coarseness(structure, shape.radius + r)
     if error > COARSE * r:
         warnings.warn(
-            f"{structure.name}: {what} on sheave {sheaveId} of radius {shape.radius:g} m stray from its arc by "
+            f"{structure.name}: {what} on sheave {sheaveId} of radius {shape.radius:g} m can stray from its arc by "
             f"{error:.2g} m, {error / r:.0%} of the cable's radius; more {remedy} make it smaller",
             stacklevel=4,
         )

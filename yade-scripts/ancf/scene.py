@@ -245,15 +245,18 @@ def _checkLengths(engine):
 
 def _checkOverlaps(engine):
     """Refuses cables, and what their knots carry, that start deep in something; warns of less."""
-    for first, second, at, depth, radius in engine.overlaps(DEEP_START):
-        text = (
-            f"{_name(O.bodies[first])} and {_name(O.bodies[second])} start with an overlap of {depth:.3g} m "
-            f"at {tuple(at)}, {depth / radius:.0%} of the smaller radius {radius:g} m"
-        )
-        remedy = "move one of them, or separate them by groupMask"
-        if depth > DEEPEST_START * radius:
-            raise ValueError(f"{text}: {remedy}")
-        warnings.warn(f"{text}, and spring apart unless they are at rest: {remedy}", stacklevel=3)
+    found = engine.overlaps(DEEP_START)
+    if not found:
+        return
+    first, second, at, depth, radius = max(found, key=lambda f: f[3] / f[4])
+    text = (
+        f"{_name(O.bodies[first])} and {_name(O.bodies[second])} start with an overlap of {depth:.3g} m "
+        f"at {tuple(at)}, {depth / radius:.0%} of the smaller radius {radius:g} m, the worst of {len(found)}"
+    )
+    remedy = "move one of them, or separate them by groupMask"
+    if depth > DEEPEST_START * radius:
+        raise ValueError(f"{text}: {remedy}")
+    warnings.warn(f"{text}, and spring apart unless they are at rest: {remedy}", stacklevel=3)
 
 
 def _checkLaw():
