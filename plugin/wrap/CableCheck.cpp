@@ -194,12 +194,21 @@ void CableCheck::overlapsOfElements(vector<Overlap>& found, Real part) const {
             ancf_cover_cubic(&cubic, cable.theModel(), cable.theModel()->x, e);
             pieces.push_back({body, &view->cover[e], cubic, Hull(cubic)});
         }
+    if (pieces.empty()) return;
+    Hull all = pieces.front().hull;
+    Real thickest = 0;
+    for (const Piece& p : pieces) {
+        all.low = all.low.cwiseMin(p.hull.low);
+        all.high = all.high.cwiseMax(p.hull.high);
+        thickest = std::max(thickest, p.cover->radius);
+    }
     for (const auto& other : *cable.theScene().bodies) {
         ancf_solid solid;
         if (!other || CableElement::of(*other) || !other->shape || !other->isBounded() || !solidOf(solid, *other))
             continue;
         const auto* sphere = dynamic_cast<const Sphere*>(other->shape.get());
         const Real reach = ancf_solid_reach(&solid);
+        if (all.distance(other->state->pos) > reach + thickest) continue;
         for (const Piece& p : pieces) {
             const Real radius = sphere ? std::min(sphere->radius, p.cover->radius) : p.cover->radius;
             if (!(other->groupMask & p.body->groupMask) || CableElement::of(*p.body)->excludes(other->id) ||
