@@ -25,10 +25,32 @@ static double gravity_of(const ancf_model* m, int e) {
     return sum;
 }
 
+static double kinetic_whole(const ancf_model* m) {
+    double sum = 0.0;
+    if (ancf_mass_diagonal(m)) return ancf_mass_kinetic(m);
+    for (int e = 0; e < m->n_elements; ++e) sum += kinetic_of(m, e);
+    return sum;
+}
+
+double ancf_kinetic_kept(ancf_model* m, double last, double step) {
+    const int n = 3 * m->stride;
+    double *mid = m->work, *half = m->work + n, *v = m->v;
+    for (int i = 0; i < n; ++i) {
+        mid[i] = v[i] + 0.5 * last * m->a[i];
+        half[i] = 0.5 * step * m->a[i];
+    }
+    m->v = mid;
+    double kinetic = kinetic_whole(m);
+    m->v = half;
+    kinetic -= kinetic_whole(m);
+    m->v = v;
+    return kinetic;
+}
+
 void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end) {
-    const bool whole = begin == 0 && end == m->n_elements && ancf_mass_diagonal(m);
+    const bool whole = begin == 0 && end == m->n_elements;
     const bool falls = m->gravity[0] != 0.0 || m->gravity[1] != 0.0 || m->gravity[2] != 0.0;
-    energy->kinetic = whole ? ancf_mass_kinetic(m) : 0.0;
+    energy->kinetic = whole ? kinetic_whole(m) : 0.0;
     energy->gravity = 0.0;
     ancf_elastic_energy(&energy->axial, &energy->bending, m, m->x, begin, end);
     for (int e = begin; e < end && !whole; ++e) energy->kinetic += kinetic_of(m, e);
@@ -39,6 +61,14 @@ void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end
 static bool counts(const ancf_model* m, int dof) {
     const int end = dof - m->n_nodes - m->n_elements;
     return end < 0 || m->next[end] < 0;
+}
+
+double ancf_height(const ancf_model* m) {
+    double sum = 0.0;
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < m->n_dof && m->gravity[c] != 0.0; ++i)
+            if (counts(m, i)) sum -= m->gravity[c] * m->weight[i] * m->x[c * m->stride + i];
+    return sum;
 }
 
 void ancf_momentum(double linear[3], double angular[3], ancf_model* m) {

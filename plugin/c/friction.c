@@ -2,7 +2,7 @@
 //
 // Explicit friction would need a step of 2 m v0/((2 mu_s - mu_k) f_n). Here each contact's friction belongs to the
 // velocity that is left, found contact by contact until none changes (Gauss-Seidel).
-#include "table.h"
+#include "lever.h"
 
 #include <math.h>
 
@@ -15,6 +15,17 @@ static const double tolerance = 1e-8;
 static void project(double v[3], const double normal[3]) {
     const double along = ancf_dot(v, normal);
     for (int i = 0; i < 3; i++) v[i] -= along * normal[i];
+}
+
+// Velocity of the first side against the second where they touch.
+static void slip_of(double v[3], const ancf_table* t, const ancf_contact* c) {
+    ancf_table_slip(v, t, c);
+    if (ancf_lever_has(c)) ancf_lever_slip(v, t, c);
+}
+
+static void rub(ancf_table* t, const ancf_contact* c, const double impulse[3], double step) {
+    ancf_table_kick(t, c, impulse, step);
+    if (ancf_lever_has(c)) ancf_lever_kick(t, c, impulse);
 }
 
 // Mean over the tangent plane of a body's response at the point, half the trace of P (M^-1 - [a] I^-1 [a]) P [1/kg].
@@ -37,6 +48,7 @@ static double body_across(const ancf_body* b, const double arm[3], const double 
 // Effective inverse mass across the normal [1/kg]. It need not be exact: friction that solves the equation does so with
 // any (rub_one).
 static double across(const ancf_table* t, const ancf_contact* c) {
+    if (ancf_lever_has(c)) return ancf_lever_across(t, c);
     double w = 0.0;
     for (int s = 0; s < 2; ++s) {
         if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
@@ -52,7 +64,7 @@ static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind
 // any more, the friction belongs to the true velocity, even if w was only near the response in that direction.
 static double rub_one(ancf_table* t, ancf_contact* c, double step, double part) {
     double v[3], change[3];
-    ancf_table_slip(v, t, c);
+    slip_of(v, t, c);
     project(v, c->normal);
     const double w = c->own;
     for (int i = 0; i < 3; i++) v[i] -= w * step * c->friction[i];
@@ -64,14 +76,17 @@ static double rub_one(ancf_table* t, ancf_contact* c, double step, double part) 
         change[i] = part * step * (friction - c->friction[i]);
         c->friction[i] += part * (friction - c->friction[i]);
     }
-    ancf_table_kick(t, c, change, step);
+    rub(t, c, change, step);
     return ancf_dot(change, change);
 }
 
 // Takes the velocities over the step off the accelerations, or puts them on.
 static void accelerations(ancf_table* t, double inverse) {
     for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < t->n_places; ++i) t->place[i].acceleration[c] += inverse * t->place[i].velocity[c];
+        for (int i = 0; i < t->n_places; ++i) {
+            t->place[i].acceleration[c] += inverse * t->place[i].velocity[c];
+            t->place[i].bends[c] += inverse * t->place[i].bending[c];
+        }
         for (int i = 0; i < t->n_bodies; ++i) {
             t->body[i].acceleration[c] += inverse * t->body[i].velocity[c];
             t->body[i].turning[c] += inverse * t->body[i].spin[c];
@@ -83,24 +98,24 @@ static void accelerations(ancf_table* t, double inverse) {
 // of all that acts evenly.
 void ancf_table_guess(ancf_table* t, double step) {
     double now[3];
-    for (int i = 0; i < t->n_contacts; ++i) ancf_table_slip(t->slip[i], t, &t->contact[i]);
+    for (int i = 0; i < t->n_contacts; ++i) slip_of(t->slip[i], t, &t->contact[i]);
     accelerations(t, -1.0 / step);
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         double P[3];
         project(c->friction, c->normal);
         for (int k = 0; k < 3; k++) P[k] = step * (c->guess[k] = c->friction[k]);
-        ancf_table_kick(t, c, P, step);
+        rub(t, c, P, step);
     }
     accelerations(t, 1.0 / step);
     for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_table_slip(now, t, &t->contact[i]);
+        slip_of(now, t, &t->contact[i]);
         for (int k = 0; k < 3; k++) t->slip[i][k] = 0.5 * (now[k] - t->slip[i][k]);
     }
     ancf_table_speed_up(t, -0.5 * step);
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
-        ancf_table_slip(now, t, c);
+        slip_of(now, t, c);
         c->rubbed = -step * ancf_dot(c->guess, now);
         for (int k = 0; k < 3; k++) t->slip[i][k] += now[k];
     }
@@ -118,7 +133,7 @@ static double start(ancf_table* t, ancf_contact* c, double step) {
         c->friction[i] *= rubs(c) ? part : 0.0;
         P[i] = step * (c->friction[i] - c->guess[i]);
     }
-    ancf_table_kick(t, c, P, step);
+    rub(t, c, P, step);
     if (!rubs(c)) return 0.0;
     c->own = across(t, c);
     return bound;
@@ -129,7 +144,7 @@ int ancf_table_rub(ancf_table* t, double step, double* left) {
     *left = 0.0;
     for (int i = 0; i < t->n_contacts; ++i) {
         double now[3];
-        ancf_table_slip(now, t, &t->contact[i]);
+        slip_of(now, t, &t->contact[i]);
         for (int k = 0; k < 3; k++) t->slip[i][k] = (t->guessed ? t->slip[i][k] : now[k]) - 0.5 * now[k];
     }
     for (int i = 0; i < t->n_contacts; ++i) largest = fmax(largest, start(t, &t->contact[i], step));
@@ -145,7 +160,7 @@ int ancf_table_rub(ancf_table* t, double step, double* left) {
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         double now[3]; // energy goes with the mean of the velocities before and after
-        ancf_table_slip(now, t, c);
+        slip_of(now, t, c);
         for (int k = 0; k < 3; k++) c->rubbed -= step * (c->friction[k] - c->guess[k]) * (t->slip[i][k] + 0.5 * now[k]);
     }
     return sweep;

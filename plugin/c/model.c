@@ -235,6 +235,22 @@ void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi
     }
 }
 
+void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, double xi) {
+    if (m->element[element].kind & ANCF_SPRING) {
+        T[0] = -1.0;
+        T[1] = T[3] = 0.0;
+        T[2] = 1.0;
+        return;
+    }
+    double abc[3];
+    const double length = m->element[element].length;
+    ancf_shape_slope(abc, xi);
+    T[0] = -abc[1];
+    T[1] = length * abc[0];
+    T[2] = abc[1];
+    T[3] = length * abc[2];
+}
+
 void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi) {
     double S[4];
     int dof[4];
@@ -244,15 +260,6 @@ void ancf_model_at(double value[3], const ancf_model* m, const double* field, in
         const double* u = field + c * m->stride;
         value[c] = S[0] * u[dof[0]] + S[1] * u[dof[1]] + S[2] * u[dof[2]] + S[3] * u[dof[3]];
     }
-}
-
-void ancf_model_add_force(const ancf_model* m, double* force, int element, double xi, const double F[3]) {
-    double S[4];
-    int dof[4];
-    ancf_model_weights(S, m, element, xi);
-    ancf_model_dofs(dof, m, element);
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < 4; ++i) force[c * m->stride + dof[i]] += S[i] * F[c];
 }
 
 void ancf_model_join(const ancf_model* m, double* force) {

@@ -192,16 +192,23 @@ static double press_round(ancf_table* t, double h, double rest, bool first, doub
 }
 
 // Moves the arm of the second side on by a time: its end goes with the first side. Positions go through the whole step
-// at velocities that have the accelerations in them; those of the table have them from `until` of it on.
+// at velocities that have the accelerations in them; those of the table have them from `until` of it on. Of two cables
+// the normal turns with the line between their centrelines.
 static void swing(const ancf_table* t, ancf_contact* c, double time, double until) {
-    double v[3], a[3];
-    if (c->side[1].body < 0) return;
+    double v[3], a[3], *arm = c->side[1].arm;
+    const bool cables = c->radius[0] > 0.0;
+    if (c->side[1].body < 0 && !cables) return;
     ancf_table_going(v, t, c);
     ancf_table_changing(a, t, c);
-    for (int k = 0; k < 3; k++) c->side[1].arm[k] += time * (v[k] + until * a[k]);
+    for (int k = 0; k < 3; k++) arm[k] += time * (v[k] + until * a[k]);
+    if (!cables) return;
+    const double along = ancf_dot(arm, c->normal), size = copysign(sqrt(ancf_dot(arm, arm)), along);
+    if (along != 0.0)
+        for (int k = 0; k < 3; k++) c->normal[k] = arm[k] / size;
 }
 
-// h: its length; at: its middle; since: the time from the last one's middle; until: from its start to the step's middle.
+// h: its length; at: its middle; since: the time from the last one's middle; until: from its start to the step's
+// middle.
 static void substep(ancf_table* t, double h, double at, double rest, double since, double until) {
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
@@ -216,7 +223,7 @@ static void substep(ancf_table* t, double h, double at, double rest, double sinc
         ancf_contact* c = &t->contact[i];
         const double way = 0.5 * h * (c->speed + along_normal(t, c));
         c->impulse += h * c->force;
-        c->late += h * c->force * at;
+        for (int k = 0; k < 3; k++) c->late[k] += h * c->force * at * c->normal[k];
         c->gap += way;
         c->damped -= (c->force - c->elastic) * way;
         c->depth = fmax(c->depth, -c->gap);
@@ -236,6 +243,7 @@ void ancf_table_press(ancf_table* t, double step, int substeps) {
         c->energy = ancf_normal_energy(&c->law, -c->gap);
         if (substeps == 0) c->gap += step * along_normal(t, c);
         memcpy(c->side[1].arm, c->start, sizeof c->start);
+        memcpy(c->normal, c->line, sizeof c->line);
         ancf_table_going(c->going, t, c);
     }
 }

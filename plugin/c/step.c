@@ -69,6 +69,14 @@ static void note_damping(ancf_model* m) {
     for (int i = 0; i < n; ++i) damping[i] -= elastic[i];
 }
 
+static double half_damping(const ancf_model* m, double kick) {
+    const int n = 3 * m->stride;
+    const double *damping = m->work + 2 * n, *before = damping + 2 * n;
+    double work = 0.0;
+    for (int i = 0; i < n; ++i) work -= 0.5 * kick * damping[i] * before[i];
+    return work;
+}
+
 // after: the velocity when they have acted, and no contact yet.
 static void track_damping(ancf_model* m, double kick, const double* after) {
     const int n = 3 * m->stride;
@@ -114,6 +122,7 @@ void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, con
     const int n = 3 * m->stride;
     const double kick = substep_kick(time), step = time->step / time->substeps, whole = ancf_kick(time);
     note_damping(m);
+    if (m->track) m->damping_half = m->damping_work + half_damping(m, kick);
     if (time->substeps == 1) {
         track_damping(m, kick, m->free);
         if (after != m->free)

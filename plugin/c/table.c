@@ -2,6 +2,7 @@
 
 #include "ancf/shape.h"
 #include "internal.h"
+#include "lever.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -30,6 +31,7 @@ void ancf_table_destroy(ancf_table* t) {
     free(t->first);
     free(t->other);
     free(t->effect);
+    free(t->bend);
     free(t->head);
     free(t->next);
     free(t->sum);
@@ -40,7 +42,10 @@ void ancf_table_destroy(ancf_table* t) {
     free(t);
 }
 
-void ancf_table_clear(ancf_table* t) { t->n_places = t->n_bodies = t->n_contacts = t->n_couplings = 0; }
+void ancf_table_clear(ancf_table* t) {
+    t->n_places = t->n_bodies = t->n_contacts = t->n_couplings = 0;
+    t->slopes = false;
+}
 
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 static bool reserve(void** items, int* room, int n, size_t size) {
@@ -59,6 +64,14 @@ static int add(void** items, int* n, int* room, const void* item, size_t size) {
     return (*n)++;
 }
 
+static void value_of(double value[3], const int dof[4], const double weight[4], const ancf_model* m,
+                     const double* field) {
+    for (int c = 0; c < 3; c++) {
+        const double* u = field + c * m->stride;
+        value[c] = weight[0] * u[dof[0]] + weight[1] * u[dof[1]] + weight[2] * u[dof[2]] + weight[3] * u[dof[3]];
+    }
+}
+
 int ancf_table_add_place(ancf_table* t, const ancf_model* m, int element, double xi) {
     ancf_place p = {.element = element, .xi = xi};
     ancf_model_dofs(p.dof, m, element);
@@ -66,6 +79,16 @@ int ancf_table_add_place(ancf_table* t, const ancf_model* m, int element, double
     p.response = ancf_responses_of(t->responses, m, element);
     if (!p.response) return -1;
     return add((void**)&t->place, &t->n_places, &t->room_places, &p, sizeof p);
+}
+
+int ancf_table_add_slope(ancf_table* t, const ancf_model* m, int element, double xi) {
+    const int i = ancf_table_add_place(t, m, element, xi);
+    if (i < 0) return i;
+    ancf_place* p = &t->place[i];
+    ancf_model_slope_weights(p->T, m, element, xi);
+    value_of(p->slope, p->dof, p->T, m, m->x);
+    t->slopes = true;
+    return i;
 }
 
 int ancf_table_add_knot(ancf_table* t, const ancf_model* m, int node) {
@@ -92,14 +115,15 @@ int ancf_table_add_coupling(ancf_table* t, const ancf_coupling* coupling) {
 int ancf_table_contacts(const ancf_table* t) { return t->n_contacts; }
 int ancf_table_places(const ancf_table* t) { return t->n_places; }
 ancf_place* ancf_table_place(ancf_table* t, int i) { return &t->place[i]; }
+void ancf_table_twist_left(double twist[3], const ancf_table* t) { memcpy(twist, t->left, sizeof t->left); }
 ancf_body* ancf_table_body(ancf_table* t, int i) { return &t->body[i]; }
 ancf_contact* ancf_table_contact(ancf_table* t, int i) { return &t->contact[i]; }
 ancf_coupling* ancf_table_coupling(ancf_table* t, int i) { return &t->coupling[i]; }
 
-// Velocity of unknown response->dof[k] by a unit impulse at the place.
-static double answer(const ancf_place* p, int k) {
+// Velocity of unknown response->dof[k] by a unit impulse with weights at the place.
+static double answer(const ancf_place* p, const double weight[4], int k) {
     const double* column = p->response->column[k];
-    return column[0] * p->S[0] + column[1] * p->S[1] + column[2] * p->S[2] + column[3] * p->S[3];
+    return column[0] * weight[0] + column[1] * weight[1] + column[2] * weight[2] + column[3] * weight[3];
 }
 
 // What an impulse at place i does to all others: along its response, to every place that uses an unknown of it.
@@ -109,12 +133,17 @@ static int find_effects(ancf_table* t, int i) {
     for (int k = 0; k < p->response->n; ++k) {
         int use = t->head[p->response->dof[k]];
         if (use < 0) continue;
-        const double dv = answer(p, k);
+        const double dv = answer(p, p->S, k), du = t->slopes ? answer(p, p->T, k) : 0.0;
         for (; use >= 0; use = t->next[use]) {
             const int j = use >> 2;
-            if (t->sum[j] == 0.0) t->touched[n++] = j;
-            t->sum[j] += dv * t->place[j].S[use & 3];
-            if (t->sum[j] == 0.0) t->sum[j] = 1e-300; // stays on the list
+            const double S = t->place[j].S[use & 3], T = t->place[j].T[use & 3];
+            ancf_effects* sum = &t->sum[j];
+            if (sum->effect == 0.0) t->touched[n++] = j;
+            sum->effect += dv * S;
+            sum->bend.to += dv * T;
+            sum->bend.from += du * S;
+            sum->bend.both += du * T;
+            if (sum->effect == 0.0) sum->effect = 1e-300; // stays on the list
         }
     }
     return n;
@@ -145,18 +174,20 @@ static ancf_error make_effects(ancf_table* t) {
     t->first[0] = 0;
     for (int i = 0; i < t->n_places; ++i) {
         const int n = find_effects(t, i);
-        int room = t->room_effect;
-        if (!reserve((void**)&t->other, &room, count + n, sizeof *t->other) ||
+        int room[2] = {t->room_effect, t->room_effect};
+        if (!reserve((void**)&t->other, &room[0], count + n, sizeof *t->other) ||
+            !reserve((void**)&t->bend, &room[1], count + n, sizeof *t->bend) ||
             !reserve((void**)&t->effect, &t->room_effect, count + n, sizeof *t->effect)) {
-            for (int k = 0; k < n; ++k) t->sum[t->touched[k]] = 0.0;
+            for (int k = 0; k < n; ++k) t->sum[t->touched[k]] = (ancf_effects) {0};
             return ANCF_E_MEMORY;
         }
         for (int k = 0; k < n; ++k, ++count) {
             const int j = t->touched[k];
             t->other[count] = j;
-            t->effect[count] = t->sum[j];
-            if (j == i) t->place[i].compliance = t->sum[j];
-            t->sum[j] = 0.0;
+            t->effect[count] = t->sum[j].effect;
+            t->bend[count] = t->sum[j].bend;
+            if (j == i) t->place[i].compliance = t->sum[j].effect;
+            t->sum[j] = (ancf_effects) {0};
         }
         t->first[i + 1] = count;
     }
@@ -166,7 +197,7 @@ static ancf_error make_effects(ancf_table* t) {
 static void list_uses(ancf_table* t) {
     for (int i = t->n_places - 1; i >= 0; --i)
         for (int k = 3; k >= 0; --k) {
-            if (t->place[i].S[k] == 0.0) {
+            if (t->place[i].S[k] == 0.0 && t->place[i].T[k] == 0.0) {
                 t->next[4 * i + k] = -1;
                 continue;
             }
@@ -181,21 +212,16 @@ static void forget_uses(ancf_table* t) {
         for (int k = 0; k < 4; ++k) t->head[t->place[i].dof[k]] = -1;
 }
 
-static void place_value(double value[3], const ancf_place* p, const ancf_model* m, const double* field) {
-    for (int c = 0; c < 3; c++) {
-        const double* u = field + c * m->stride;
-        value[c] = p->S[0] * u[p->dof[0]] + p->S[1] * u[p->dof[1]] + p->S[2] * u[p->dof[2]] + p->S[3] * u[p->dof[3]];
-    }
-}
-
 ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* velocity) {
     if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
     t->guessed = false;
     for (int i = 0; i < t->n_places; ++i) {
         ancf_place* p = &t->place[i];
         p->compliance = 0.0;
-        place_value(p->velocity, p, m, velocity);
-        for (int c = 0; c < 3; c++) p->impulse[c] = p->moment[c] = p->acceleration[c] = 0.0;
+        value_of(p->velocity, p->dof, p->S, m, velocity);
+        if (t->slopes) value_of(p->bending, p->dof, p->T, m, velocity);
+        for (int c = 0; c < 3; c++)
+            p->impulse[c] = p->couple[c] = p->moment[c] = p->acceleration[c] = p->bends[c] = 0.0;
     }
     list_uses(t);
     const ancf_error error = make_effects(t);
@@ -204,21 +230,31 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         c->own = ancf_table_compliance(t, c, c->normal);
-        c->impulse = c->late = c->force = c->energy = c->damped = c->rubbed = 0.0;
+        c->impulse = c->force = c->energy = c->damped = c->rubbed = 0.0;
         memcpy(c->start, c->side[1].arm, sizeof c->start);
-        c->guess[0] = c->guess[1] = c->guess[2] = 0.0;
+        memcpy(c->line, c->normal, sizeof c->line);
+        for (int k = 0; k < 3; k++) c->guess[k] = c->late[k] = c->balanced[k] = 0.0;
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
+        if (ancf_lever_has(c)) ancf_lever_prepare(t, c);
     }
+    t->left[0] = t->left[1] = t->left[2] = 0.0;
     return ANCF_OK;
 }
 
 void ancf_table_accelerate(ancf_table* t, const ancf_model* m, const double* acceleration) {
-    for (int i = 0; i < t->n_places; ++i) place_value(t->place[i].acceleration, &t->place[i], m, acceleration);
+    for (int i = 0; i < t->n_places; ++i) {
+        ancf_place* p = &t->place[i];
+        value_of(p->acceleration, p->dof, p->S, m, acceleration);
+        if (t->slopes) value_of(p->bends, p->dof, p->T, m, acceleration);
+    }
 }
 
 void ancf_table_speed_up(ancf_table* t, double time) {
     for (int i = 0; i < t->n_places; ++i)
-        for (int c = 0; c < 3; c++) t->place[i].velocity[c] += time * t->place[i].acceleration[c];
+        for (int c = 0; c < 3; c++) {
+            t->place[i].velocity[c] += time * t->place[i].acceleration[c];
+            t->place[i].bending[c] += time * t->place[i].bends[c];
+        }
     for (int i = 0; i < t->n_bodies; ++i)
         for (int c = 0; c < 3; c++) {
             t->body[i].velocity[c] += time * t->body[i].acceleration[c];
@@ -235,6 +271,22 @@ void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], do
     for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
         double* v = t->place[t->other[k]].velocity;
         for (int c = 0; c < 3; c++) v[c] += t->effect[k] * impulse[c];
+    }
+    if (!t->slopes) return;
+    for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
+        double* u = t->place[t->other[k]].bending;
+        for (int c = 0; c < 3; c++) u[c] += t->bend[k].to * impulse[c];
+    }
+}
+
+void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3]) {
+    for (int c = 0; c < 3; c++) t->place[place].couple[c] += impulse[c];
+    for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
+        ancf_place* p = &t->place[t->other[k]];
+        for (int c = 0; c < 3; c++) {
+            p->velocity[c] += t->bend[k].from * impulse[c];
+            p->bending[c] += t->bend[k].both * impulse[c];
+        }
     }
 }
 
@@ -279,12 +331,16 @@ void ancf_table_slip(double v[3], const ancf_table* t, const ancf_contact* c) {
     }
 }
 
+static const double still[3] = {0.0, 0.0, 0.0}; // a side that is neither a place nor a body
+
 static const double* velocity_at(const ancf_table* t, const ancf_side* side) {
-    return side->place >= 0 ? t->place[side->place].velocity : t->body[side->body].velocity;
+    if (side->place >= 0) return t->place[side->place].velocity;
+    return side->body >= 0 ? t->body[side->body].velocity : still;
 }
 
 static const double* acceleration_at(const ancf_table* t, const ancf_side* side) {
-    return side->place >= 0 ? t->place[side->place].acceleration : t->body[side->body].acceleration;
+    if (side->place >= 0) return t->place[side->place].acceleration;
+    return side->body >= 0 ? t->body[side->body].acceleration : still;
 }
 
 void ancf_table_going(double v[3], const ancf_table* t, const ancf_contact* c) {
@@ -307,11 +363,10 @@ static double body_compliance(const ancf_body* b, const double arm[3], const dou
     return w;
 }
 
-// Effect of one place on another.
-static double effect_on(const ancf_table* t, int from, int to) {
+ancf_effects ancf_table_effects(const ancf_table* t, int from, int to) {
     for (int k = t->first[from]; k < t->first[from + 1]; ++k)
-        if (t->other[k] == to) return t->effect[k];
-    return 0.0;
+        if (t->other[k] == to) return (ancf_effects) {t->effect[k], t->bend[k]};
+    return (ancf_effects) {0};
 }
 
 double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const double direction[3]) {
@@ -320,17 +375,18 @@ double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const d
         if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
         if (c->side[s].body >= 0) w += body_compliance(&t->body[c->side[s].body], c->side[s].arm, direction);
     }
-    if (c->side[0].place >= 0 && c->side[1].place >= 0) w -= 2.0 * effect_on(t, c->side[0].place, c->side[1].place);
+    if (c->side[0].place >= 0 && c->side[1].place >= 0)
+        w -= 2.0 * ancf_table_effects(t, c->side[0].place, c->side[1].place).effect;
     return w > 0.0 ? w : 0.0;
 }
 
 // Friction came after the normal forces and acts from the start of the step: it has moved what they acted on by then.
 static void twist_late(ancf_table* t, const ancf_contact* c) {
     double arm[3], twist[3], spin[3];
-    if (c->late == 0.0 || c->side[1].body < 0) return;
+    if (c->impulse == 0.0 || c->side[1].body < 0) return;
     ancf_table_going(arm, t, c);
-    for (int i = 0; i < 3; i++) arm[i] = c->late * (arm[i] - c->going[i]);
-    ancf_cross(twist, c->normal, arm);
+    for (int i = 0; i < 3; i++) arm[i] -= c->going[i];
+    ancf_cross(twist, c->late, arm);
     ancf_body* b = &t->body[c->side[1].body];
     ancf_multiply(spin, b->inv_inertia, twist);
     for (int i = 0; i < 3; i++) {
@@ -339,19 +395,32 @@ static void twist_late(ancf_table* t, const ancf_contact* c) {
     }
 }
 
+static bool any(const double v[3]) { return v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0; }
+
 void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
+    ancf_lever_balance(t, step);
     for (int i = 0; i < t->n_contacts; ++i) twist_late(t, &t->contact[i]);
     for (int i = 0; i < t->n_places; ++i) {
         const ancf_place* p = &t->place[i];
-        const double *J = p->impulse, *K = p->moment;
-        if (J[0] == 0.0 && J[1] == 0.0 && J[2] == 0.0) continue;
+        const double *J = p->impulse, *K = p->moment, *C = p->couple;
+        const bool bent = any(C);
+        if (!bent && !any(J)) continue;
         for (int k = 0; k < p->response->n; ++k) {
-            const double dv = answer(p, k);
+            const double dv = answer(p, p->S, k), du = bent ? answer(p, p->T, k) : 0.0;
             const int dof = p->response->dof[k];
             for (int c = 0; c < 3; c++) {
-                velocity[c * m->stride + dof] += dv * J[c];
+                velocity[c * m->stride + dof] += dv * J[c] + du * C[c];
                 shift[c * m->stride + dof] += dv * (K[c] - step * J[c]);
             }
         }
+    }
+}
+
+void ancf_table_forces(const ancf_table* t, const ancf_model* m, double time, double* force) {
+    for (int i = 0; i < t->n_places; ++i) {
+        const ancf_place* p = &t->place[i];
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < 4; ++k)
+                force[c * m->stride + p->dof[k]] += (p->S[k] * p->impulse[c] + p->T[k] * p->couple[c]) / time;
     }
 }

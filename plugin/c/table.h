@@ -4,6 +4,16 @@
 
 #include "ancf/contact.h"
 
+// Velocity of the other's slope by an impulse, of the other by an impulse on the slope, and of slope by slope [1/kg].
+typedef struct {
+    double to, from, both;
+} ancf_bend;
+
+typedef struct {
+    double effect;
+    ancf_bend bend;
+} ancf_effects;
+
 struct ancf_table {
     ancf_responses* responses;
     int n_places, n_bodies, n_contacts, n_couplings;
@@ -16,13 +26,15 @@ struct ancf_table {
     // Velocity at place other[k] by a unit impulse at place i, for k in first[i] .. first[i + 1] [1/kg].
     int *first, *other;
     double* effect;
+    ancf_bend* bend; // the same of slopes
     int room_first, room_effect;
+    bool slopes; // any place takes couples
 
     // For prepare: places that use an unknown, as lists, and sums by place.
     int *head, *next; // (n_dof), (4 n_places)
     int room_next;
-    double* sum;  // (n_places)
-    int* touched; // (n_places)
+    ancf_effects* sum; // (n_places)
+    int* touched;      // (n_places)
     int room_sum;
     double* stiffness; // (n_places + n_bodies) of the contacts there [N/m]
     int room_stiffness;
@@ -30,7 +42,8 @@ struct ancf_table {
     int room_scratch;
     double (*slip)[3]; // (n_contacts) before friction [m/s]
     int room_slip;
-    bool guessed; // slip is that of a first guess, at the start of the step
+    bool guessed;   // slip is that of a first guess, at the start of the step
+    double left[3]; // what the couples could not balance [N m s]
 };
 
 static inline double ancf_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -53,6 +66,7 @@ static inline void ancf_body_velocity(double v[3], const ancf_body* b, const dou
 
 // Gives an impulse to a place or to a body's point, `rest` before the end of the step.
 void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest);
+void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3]); // at the start of the step
 void ancf_table_kick_body(ancf_table* t, int body, const double arm[3], const double impulse[3], double rest);
 
 // And to both sides of a contact.
@@ -65,6 +79,9 @@ void ancf_table_speed_up(ancf_table* t, double time);
 // the table [m/s2].
 void ancf_table_going(double v[3], const ancf_table* t, const ancf_contact* c);
 void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c);
+
+// What one place does to another.
+ancf_effects ancf_table_effects(const ancf_table* t, int from, int to);
 
 // Velocity at a side by a unit impulse along a unit vector at it, along that vector [1/kg].
 double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const double direction[3]);

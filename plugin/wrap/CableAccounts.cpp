@@ -19,36 +19,59 @@ extern "C" {
 
 namespace yade {
 
-// Energies at the half step, where the velocities are.
-void CableEngine::trackEnergy(const ancf_time& time) {
-    ancf_energy now;
-    ancf_energy_of(&now, model.get(), 0, nElements());
-    auto& tracker = *scene->energy;
-    tracker.add(now.kinetic, "cableKinetic", kineticIx, true);
-    const Real elastic = now.axial + now.bending, back = .5 / time.substeps; // velocities are half a sub-step old
-    tracker.add(elastic + back * (lastElastic - elastic), "cableElastic", elasticIx, true);
-    lastElastic = elastic;
-    trackedIter = scene->iter;
-    Real lifted = 0;
-    if (gravity != Vector3r::Zero()) {
-        for (int c = 0; c < 3; ++c) // without carried masses, which NewtonIntegrator counts
-            for (int i = 0; i < model->n_dof; ++i) {
-                const Real moved = time.step * model->v[c * model->stride + i];
-                const bool copy = i >= nNodes + nElements() && next[i - nNodes - nElements()] >= 0;
-                if (!copy) lifted -= gravity[c] * model->weight[i] * moved;
-            }
-        for (size_t i = 0; i < carryNodes.size(); ++i)
-            if (carrierOf(carryIds[i]) >= 0)
-                lifted += time.step * (*scene->bodies)[carryIds[i]]->state->mass *
-                          gravity.dot(nodeOf(model->v, model->stride, carryNodes[i]));
+namespace {
+    enum Account { ITER, HEIGHT, PRESSED, DAMPED, RUBBED, SLOWED, LIFTED, ACCOUNTS };
+}
+
+// Energies at the positions that a step starts from: there leapfrog keeps their sum, and NewtonIntegrator counts what
+// its bodies had when they came there. Of what the step does, the next one counts what comes after.
+void CableEngine::noteEnergy(const ancf_time& time) {
+    ancf_model* m = model.get();
+    const bool leapfrog = integrator == "leapfrog";
+    const Real last = leapfrog ? time.last_substep : 0, next = leapfrog ? time.step / time.substeps : 0;
+    Real axial, bending;
+    ancf_elastic_energy(&axial, &bending, m, m->x, 0, nElements());
+    elasticAt = axial + bending;
+    heightAt = ancf_height(m);
+    kineticAt = ancf_kinetic_kept(m, last, next);
+    for (size_t i = 0; i < carryNodes.size(); ++i) {
+        if (carrierOf(carryIds[i]) < 0) continue;
+        const Vector3r a = nodeOf(m->a, m->stride, carryNodes[i]);
+        const Vector3r mean = nodeOf(m->v, m->stride, carryNodes[i]) + last / 2 * a;
+        kineticAt +=
+            (*scene->bodies)[carryIds[i]]->state->mass / 2 * (mean.squaredNorm() - (next / 2 * a).squaredNorm());
     }
+    if (openAccounts.size() != ACCOUNTS || openAccounts[ITER] != Real(scene->iter - 1)) {
+        Real damped, rubbed;
+        openAccounts.assign(ACCOUNTS, 0);
+        openAccounts[HEIGHT] = heightAt;
+        touching.track(openAccounts[PRESSED], damped, rubbed);
+    }
+    m->damping_work = m->damping_half = 0;
+}
+
+void CableEngine::trackEnergy() {
+    auto& tracker = *scene->energy;
+    vector<Real>& open = openAccounts;
+    Real kinetic = kineticAt, lifted = heightAt - open[HEIGHT] + open[LIFTED];
+    for (size_t i = 0; i < carryNodes.size(); ++i) { // what NewtonIntegrator will count of them
+        if (carrierOf(carryIds[i]) < 0) continue;
+        const State& state = *(*scene->bodies)[carryIds[i]]->state;
+        kinetic -= state.mass / 2 * state.vel.squaredNorm();
+        lifted += scene->dt * state.mass * gravity.dot(state.vel);
+    }
+    tracker.add(kinetic, "cableKinetic", kineticIx, true);
+    tracker.add(elasticAt, "cableElastic", elasticIx, true);
     tracker.add(lifted, "gravWork", gravityIx, false);
-    tracker.add(model->damping_work, "cableDamping", dampingIx, false);
-    Real pressed, damped, rubbed;
-    touching.track(pressed, damped, rubbed);
-    tracker.add(pressed, "contactElastic", pressIx, true);
-    tracker.add(damped, "contactDamping", contactIx, false);
-    tracker.add(rubbed, "cableFriction", frictionIx, false);
+    tracker.add(open[SLOWED] + model->damping_half, "cableDamping", dampingIx, false);
+    tracker.add(open[PRESSED], "contactElastic", pressIx, true);
+    tracker.add(open[DAMPED], "contactDamping", contactIx, false);
+    tracker.add(open[RUBBED], "cableFriction", frictionIx, false);
+    open[ITER] = Real(scene->iter);
+    open[HEIGHT] = heightAt;
+    open[SLOWED] = model->damping_work - model->damping_half;
+    open[LIFTED] = touching.lift();
+    touching.track(open[PRESSED], open[DAMPED], open[RUBBED]);
 }
 
 namespace {

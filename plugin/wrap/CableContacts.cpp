@@ -332,6 +332,9 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time) {
     cable.sweeps = ancf_table_rub(t, time.step, &cable.frictionLeft);
     if (cable.sweeps > 0) ancf_table_couple(t, time.step);
     ancf_table_apply(t, m, time.step, after.data(), shift.data());
+    Real twist[3];
+    ancf_table_twist_left(twist, t);
+    cable.twistLeft += vectorOf(twist);
 }
 
 string CableContacts::nameOf(const CableEngine& cable, int contact) const {
@@ -346,8 +349,9 @@ string CableContacts::nameOf(const CableEngine& cable, int contact) const {
 // ---------------------------------------------------------------- given back
 
 // Forces to the bodies, for whoever integrates them; the rest of what moved them within the step to their places.
-void CableContacts::giveBodies(const CableEngine& cable) const {
+void CableContacts::giveBodies(const CableEngine& cable) {
     Scene& s = *cable.scene;
+    lifted = 0;
     for (size_t i = 0; i < entries.size(); ++i) {
         const ancf_body& b = *ancf_table_body(table.get(), static_cast<int>(i));
         const Body& body = *(*s.bodies)[entries[i].id];
@@ -364,7 +368,9 @@ void CableContacts::giveBodies(const CableEngine& cable) const {
         if (carried) continue;
         if (!driven)
             for (int c = 0; c < 3; ++c) body.state->vel[c] += s.dt * b.inv_mass[c] * left.force[c];
-        body.state->pos += vectorOf(b.shift) - s.dt * (vectorOf(b.velocity) - entries[i].before);
+        const Vector3r more = vectorOf(b.shift) - s.dt * (vectorOf(b.velocity) - entries[i].before);
+        body.state->pos += more;
+        lifted -= body.state->mass * cable.gravity.dot(more);
     }
 }
 
@@ -393,6 +399,7 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
     ancf_model* m = cable.theModel();
     ancf_table* t = table.get();
     if (!way) {
+        lifted = 0;
         cable.contacts = 0;
         memory.clear();
         giveRows(cable);
@@ -410,11 +417,7 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
     }
     memory.resize(static_cast<size_t>(n - firstCrossing));
     memory.resize(static_cast<size_t>(ancf_cross_keep(memory.data(), t, firstCrossing, n)));
-    for (int i = 0; i < ancf_table_places(t); ++i) { // what the reactions are found from
-        const ancf_place& p = *ancf_table_place(t, i);
-        const Vector3r force = vectorOf(p.impulse) / ancf_acting(&time);
-        ancf_model_add_force(m, m->f, p.element, p.xi, force.data());
-    }
+    ancf_table_forces(t, m, ancf_acting(&time), m->f); // what the reactions are found from
     int coupling = 0;
     for (size_t i = 0; i < cable.carryIds.size(); ++i) {
         if (cable.carrierOf(cable.carryIds[i]) < 0) {

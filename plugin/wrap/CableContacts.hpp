@@ -52,6 +52,7 @@ class CableContacts {
     bool outgrown = true;                           // an element has left its box: new ones in the next step
     vector<Real> after, shift;                      // fields: velocities with contacts, displacements besides
     const Real *velocity = nullptr, *way = nullptr; // what this step goes on with
+    Real lifted = 0;                                // see lift()
 
     void makeCover(const CableEngine& cable);
     void plan(const CableEngine& cable);
@@ -65,7 +66,7 @@ class CableContacts {
     void addCouplings(const CableEngine& cable);
     void addCrossings(CableEngine& cable);
     string nameOf(const CableEngine& cable, int contact) const;
-    void giveBodies(const CableEngine& cable) const;
+    void giveBodies(const CableEngine& cable);
     void giveRows(const CableEngine& cable) const;
 
 public:
@@ -85,6 +86,7 @@ public:
     const vector<ancf_laws>& lawsOfKinds() const { return laws; } // of two kinds of cover
     int asleep(const CableEngine& cable) const;
     void track(Real& elastic, Real& damped, Real& rubbed) const; // energies of this step [J]
+    Real lift() const { return lifted; } // of bodies, besides what their velocities do in a step [J]
 };
 
 } // namespace yade

@@ -41,7 +41,7 @@ void CableEngine::changed() {
     touching.reset();
     model.reset();
     pairsChecked = partnersChecked = false;
-    trackedIter = -2;
+    openAccounts.clear();
 }
 
 namespace {

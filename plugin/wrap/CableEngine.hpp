@@ -32,9 +32,8 @@ class CableEngine : public GlobalEngine {
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
     bool anyCoupled = false;
     int normalKind = 2, frictionKind = 2;
-    Real lastElastic = 0;
-    Real substepLimit = 0; // length of automatic sub-steps at most [s]
-    long trackedIter = -2; // step that lastElastic was found in; -2: none, even before step 0
+    Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
+    Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
     bool pairsChecked = false, partnersChecked = false;
     long checkedIter = -1;
     Real checkedStep = 0;
@@ -62,7 +61,8 @@ class CableEngine : public GlobalEngine {
     void holdNodes();
     void gatherForces();
     void scatter();
-    void trackEnergy(const ancf_time& time);
+    void noteEnergy(const ancf_time& time);
+    void trackEnergy();
 
 public:
     // What the elements' bodies of an engine of that family read; null if there is none or it cannot be built.
@@ -153,9 +153,11 @@ public:
         ((int, contactSteps, 0, Attr::readonly, "Sub-steps of the contacts in the last step; 0: nothing could touch."))
         ((int, sweeps, 0, Attr::readonly, "Gauss-Seidel sweeps over the friction of the last step."))
         ((Real, frictionLeft, 0, Attr::readonly, "Change of friction in the last sweep, as part of the largest friction force [-]."))
+        ((Vector3r, twistLeft, Vector3r::Zero(), Attr::readonly, "Moment of friction between cables that are nearly parallel, summed up over time: it would twist them, and a cable has no torsion to take it [N m s]."))
         ((Real, maxPenetration, 0, Attr::readonly, "Deepest penetration of a place so far [m]."))
         ((vector<int>, crossPairs, , Attr::hidden, "Contacts between cables that the next step remembers: element, element, segment."))
         ((vector<Vector3r>, crossFriction, , Attr::hidden, "Their friction [N]."))
+        ((vector<Real>, openAccounts, , Attr::hidden, "Number of the last step with energies tracked, and what of it the next one counts: height, elastic energy, damping and friction of contacts, damping of cables, lift of bodies [J]."))
         ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
         ,
         .add_property("stride", &CableEngine::getStride, "Length of a block of `position`.")

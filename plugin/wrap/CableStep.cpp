@@ -175,16 +175,9 @@ void CableEngine::action() {
     holdNodes();
     gatherForces();
     ancf_predict(model.get(), &time);
+    if (scene->trackEnergy) noteEnergy(time);
     touching.gather(*this);
     touching.solve(*this, time);
-    if (scene->trackEnergy) {
-        if (trackedIter != scene->iter - 1) { // else known from the step before
-            Real axial, bending;
-            ancf_elastic_energy(&axial, &bending, model.get(), model->x, 0, nElements());
-            lastElastic = axial + bending;
-        }
-        model->damping_work = 0;
-    }
     if (integrator == "rk4") {
         if (touching.displacement())
             refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
@@ -197,7 +190,7 @@ void CableEngine::action() {
     touching.look(*this);
     lastStep = time.step;
     lastSubstep = time.step / time.substeps;
-    if (scene->trackEnergy) trackEnergy(time);
+    if (scene->trackEnergy) trackEnergy();
 }
 
 } // namespace yade

@@ -9,7 +9,8 @@
 // Places, normals and gaps are best those of the middle of the step, half a step ahead at the present velocities: then
 // the gap at the end of a step is that at the start of the next to third order, and what contacts store and give back
 // is the same. An impulse acts on both sides at one point in space, also as they move within the step, so that angular
-// momentum is exact; between two cables it acts at their two centrelines.
+// momentum is exact; between two cables it acts at their two centrelines, and couples on their slopes make up for what
+// is between these.
 //
 // In the order of use in a step: ancf_table_clear; add places, bodies, contacts, couplings; ancf_table_prepare;
 // ancf_table_couple, ancf_table_press, ancf_table_rub, ancf_table_couple; ancf_table_apply.
@@ -26,12 +27,17 @@ typedef struct {
     double xi;
     int dof[4];  // of its element's unknowns in a block
     double S[4]; // their weights at xi
+    double T[4]; // and those in dr/dxi, if couples act there; else 0
     const ancf_response* response;
     double compliance;      // velocity by a unit impulse at the place itself [1/kg]
     double velocity[3];     // [m/s]
     double acceleration[3]; // without what is in the table [m/s2]
+    double slope[3];        // dr/dxi at the start of the step [m]
+    double bending[3];      // its velocity [m/s]
+    double bends[3];        // its acceleration without what is in the table [m/s2]
     double impulse[3];      // on the cable in this step [N s]
-    double moment[3];       // the same, each times the time from it to the end of the step [N s2]
+    double couple[3];       // and on its slope [N s]
+    double moment[3];       // impulses, each times the time from it to the end of the step [N s2]
 } ancf_place;
 
 // A body that moves by itself.
@@ -46,11 +52,12 @@ typedef struct {
     double shift[3], turn[3];    // how far they move and turn it by the end of the step [m], [rad]
 } ancf_body;
 
-// One side of a contact: a place, a body, or a body that moves with a knot and turns by itself.
+// One side of a contact: a place, a body, a body that moves with a knot and turns by itself, or none: it stands still.
 typedef struct {
     int place; // number in the table, -1: none
     int body;
-    double arm[3]; // from the body's position to where forces act on it, at the start of the step [m]
+    double
+        arm[3]; // from its position to where forces act, at the start of the step; of a second cable to the first [m]
 } ancf_side;
 
 typedef struct {
@@ -71,8 +78,12 @@ typedef struct {
     double own;            // velocity along the normal by a unit impulse along it [1/kg]
     double speed, elastic; // of the sub-step [m/s], [N]
     double start[3];       // arm of the second side at the start [m]
+    double radius[2];      // of two cables: how far from their centrelines they touch; else 0 [m]
+    double lever[9];       // turning by a moment, see lever.c [1/m]
+    double line[3];        // normal in the middle of the step
+    double balanced[3];    // moment of normal impulses that friction has added and couples balance [N m s]
     double going[3];       // velocity of the first side's place or position against the second's before friction [m/s]
-    double late;           // impulse, each part times the time from the start of the step to it [N s2]
+    double late[3];        // normal impulse, each part times the time from the start of the step to it [N s2]
 } ancf_contact;
 
 // A knot that goes on together with a point of a body (Eq. 5, multipliers solved for).
@@ -92,6 +103,7 @@ void ancf_table_destroy(ancf_table* table);
 void ancf_table_clear(ancf_table* table);
 int ancf_table_add_place(ancf_table* table, const ancf_model* m, int element, double xi);
 int ancf_table_add_knot(ancf_table* table, const ancf_model* m, int node);
+int ancf_table_add_slope(ancf_table* table, const ancf_model* m, int element, double xi); // a place that takes couples
 int ancf_table_add_body(ancf_table* table, const ancf_body* body);
 int ancf_table_add_contact(ancf_table* table, const ancf_contact* contact);
 int ancf_table_add_coupling(ancf_table* table, const ancf_coupling* coupling);
@@ -99,6 +111,7 @@ int ancf_table_add_coupling(ancf_table* table, const ancf_coupling* coupling);
 int ancf_table_contacts(const ancf_table* table); // their number
 int ancf_table_places(const ancf_table* table);
 ancf_place* ancf_table_place(ancf_table* table, int i);
+void ancf_table_twist_left(double twist[3], const ancf_table* table); // in this step, see ancf_table_apply [N m s]
 ancf_body* ancf_table_body(ancf_table* table, int i);
 ancf_contact* ancf_table_contact(ancf_table* table, int i);
 ancf_coupling* ancf_table_coupling(ancf_table* table, int i);
@@ -126,10 +139,14 @@ int ancf_table_rub(ancf_table* table, double step, double* left);
 // Impulses that make knots and points of bodies go on together from now on; `rest` is the time to the step's end.
 void ancf_table_couple(ancf_table* table, double rest);
 
-// The last word on spins: impulses of normal forces acted where friction has moved things meanwhile. Then adds to a
-// field of velocities what the table's impulses do, and to a field of displacements what they do besides `step` times
-// that velocity (3 x stride each).
+// The last word on spins and slopes: impulses of normal forces acted where friction has moved things meanwhile. What
+// cables without torsion cannot take of that, and of friction between them, is left. Then adds to a field of velocities
+// what the table's impulses do, and to a field of displacements what they do besides `step` times that velocity (3 x
+// stride each).
 void ancf_table_apply(ancf_table* table, const ancf_model* m, double step, double* velocity, double* shift);
+
+// Adds the table's impulses to a field of forces, over a time [s] (3 x stride).
+void ancf_table_forces(const ancf_table* table, const ancf_model* m, double time, double* force);
 
 // Relative velocity of the first side against the second, as it is now [m/s].
 void ancf_table_slip(double v[3], const ancf_table* table, const ancf_contact* contact);

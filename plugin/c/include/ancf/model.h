@@ -83,6 +83,7 @@ typedef struct {
     double gravity[3];
     bool track;          // damping_work is wanted
     double damping_work; // taken out by Kelvin-Voigt forces so far [J]
+    double damping_half; // of that, before the positions that the last step started from [J]
 
     double *x, *v;    // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
     double* external; // (3 x stride) forces that act besides those computed here [N, N m]
@@ -111,9 +112,6 @@ static inline void ancf_model_dofs(int dof[4], const ancf_model* m, int element)
 
 // Value at xi of element e of the field whose blocks are at `field` (m->x gives the position, m->v the velocity).
 void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi);
-
-// Adds the force F at xi of an element to the generalised force, Q = S(xi)^T F (Eq. 16).
-void ancf_model_add_force(const ancf_model* m, double* force, int element, double xi, const double F[3]);
 
 // Makes both copies of every shared slope the sum of the two, as a force on the one slope is.
 void ancf_model_join(const ancf_model* m, double* force);
