@@ -2,8 +2,10 @@
 // What the engine tells: places, forces, energies, momenta; and rest.
 #include "CableEngine.hpp"
 
+#include "CableCheck.hpp"
 #include "CableNodes.hpp"
 #include "CableRest.hpp"
+#include "Drive.hpp"
 
 #include <pkg/dem/NewtonIntegrator.hpp>
 
@@ -158,11 +160,13 @@ void CableEngine::relax(Real tolerance, int iterations) {
                                          ": both must be above 0"));
     Scene& s = theScene();
     build();
+    const CableCheck check(*this);
+    check.others();
+    check.partners(0);
     if (anyCoupled)
         refuse("relax: a body is carried off its centre or guided, and would have to turn: let the scene come to rest "
                "instead");
-    for (const auto& engine : s.engines)
-        if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get())) gravity = newton->gravity;
+    if (const NewtonIntegrator* newton = newtonOf(s)) gravity = newton->gravity;
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
     std::fill_n(model->external, position.size(), 0);
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);

@@ -28,6 +28,7 @@ shared_ptr<const CableView> CableEngine::viewOf(const Scene& scene, int family) 
         try {
             cables->scene = const_cast<Scene*>(&scene); // in the first step after loading, it still has the old one
             if (!cables->model) cables->build();
+            cables->checkPartners();
         } catch (const std::exception&) {
             return nullptr; // it tells in its own step
         }
@@ -39,7 +40,7 @@ shared_ptr<const CableView> CableEngine::viewOf(const Scene& scene, int family) 
 void CableEngine::changed() {
     touching.reset();
     model.reset();
-    pairsChecked = false;
+    pairsChecked = partnersChecked = false;
     openAccounts.clear();
 }
 

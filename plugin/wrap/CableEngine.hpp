@@ -19,6 +19,7 @@ namespace yade {
 class CableEngine : public GlobalEngine {
     static constexpr Real strainReserve = .1; // strain up to which automatic steps are stable
 
+    friend class CableCheck;
     friend class CableContacts;
     friend class CableRest;
     struct ModelDeleter {
@@ -33,7 +34,7 @@ class CableEngine : public GlobalEngine {
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
-    bool pairsChecked = false;
+    bool pairsChecked = false, partnersChecked = false;
     long checkedIter = -1;
     Real checkedStep = 0;
     int elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1, pressIx = -1;
@@ -51,8 +52,11 @@ class CableEngine : public GlobalEngine {
     void mapBodies();
     void checkPairs() const;
     void checkScene() const;
+    void checkBodies() const;
+    void checkPartners();
     void checkStep(const ancf_time& time);
     ancf_time timeOfStep();
+    void getReady();
 
     void holdNodes();
     void gatherForces();
@@ -92,6 +96,8 @@ public:
     py::tuple momentum();
     Real criticalTimeStep();
     void relax(Real tolerance, int iterations);
+    void check();
+    py::list overlaps(Real part);
     void build();
     int getStride() const { return ancf_stride(nNodes, nElements()); }
     bool coupled();
@@ -180,6 +186,8 @@ public:
         .def("momentum", &CableEngine::momentum, "(linear [kg m/s], angular about the origin [kg m²/s]), with the masses carried at knots.")
         .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cables at their strain now, at least 0.1, whether they touch or not [s].")
         .def("relax", &CableEngine::relax, (py::arg("tolerance"), py::arg("iterations")), "Moves the cables to static equilibrium, on what they lie on, without friction; RuntimeError if there is none, or a body that they press on may move.")
+        .def("check", &CableEngine::check, "Refuses what cables may meet and cannot compute: cables of other engines, bodies of other shapes, without size, elastic constants, or a mass to move with. RuntimeError that names the body. Done by ancf.check().")
+        .def("overlaps", &CableEngine::overlaps, (py::arg("part")), "What cables, and spheres that knots carry, overlap now by more than a part of the smaller radius: tuples of an element or carried sphere, a body, the place [m], the depth and the smaller radius [m].")
         .def("build", &CableEngine::build, "Checks everything and gets ready; done by itself at the first step.")
     )
     // clang-format on

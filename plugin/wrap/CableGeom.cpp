@@ -2,6 +2,7 @@
 #include "CableGeom.hpp"
 
 #include "Mobility.hpp"
+#include "text.hpp"
 
 #include <core/Interaction.hpp>
 #include <core/Scene.hpp>
@@ -222,6 +223,20 @@ ANCF_NEAR(Box, (static_cast<void>(first), 0))
 ANCF_NEAR(Facet, (static_cast<void>(first), 0))
 ANCF_NEAR(Wall, (static_cast<void>(first), 0))
 ANCF_NEAR(Sheave, first.radius)
+
+void Law2_CableGeom_HollarsPhys_Hollars::setAttribute(const py::object& self, const string& name,
+                                                      const py::object& value) {
+    const bool engines = name == "normal" || name == "friction";
+    const py::object type(py::handle<>(PyObject_Type(self.ptr())));
+    if (!PyObject_HasAttrString(type.ptr(), name.c_str())) {
+        const string why = text("Law2_CableGeom_HollarsPhys_Hollars has no attribute ", name, ": contacts of cables ",
+                                engines ? text("follow CableEngine.", name, ", set that")
+                                        : "follow the attributes of their CableEngine");
+        PyErr_SetString(PyExc_AttributeError, why.c_str());
+        py::throw_error_already_set();
+    }
+    if (PyObject_GenericSetAttr(self.ptr(), py::str(name).ptr(), value.ptr())) py::throw_error_already_set();
+}
 
 bool Law2_CableGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& geom, shared_ptr<IPhys>& phys, Interaction*) {
     if (!static_cast<const CableGeom&>(*geom).xi.empty()) return true;

@@ -72,11 +72,17 @@ ANCF_IG2(Sheave, CarriedSphere, "Contact of a :yref:`Sheave` with a sphere that 
 class Law2_CableGeom_HollarsPhys_Hollars : public LawFunctor {
 public:
     bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
+    // Python would take any name for a new attribute: AttributeError.
+    static void setAttribute(const py::object& self, const string& name, const py::object& value);
     FUNCTOR2D(CableGeom, HollarsPhys)
     // clang-format off
-    YADE_CLASS_BASE_DOC(Law2_CableGeom_HollarsPhys_Hollars, LawFunctor,
+    YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(Law2_CableGeom_HollarsPhys_Hollars, LawFunctor,
         "Leaves the contacts of cables, and of what their knots carry, to their :yref:`CableEngine`, which solves them "
-        "together in sub-steps; ends those that are out of reach.")
+        "together in sub-steps by its own normal and friction; ends those that are out of reach.",
+        ,
+        ,
+        .def("__setattr__", &Law2_CableGeom_HollarsPhys_Hollars::setAttribute)
+    )
     // clang-format on
 };
 REGISTER_SERIALIZABLE(Law2_CableGeom_HollarsPhys_Hollars);

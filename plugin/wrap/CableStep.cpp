@@ -2,6 +2,7 @@
 // The engine made ready, and one step of it.
 #include "CableEngine.hpp"
 
+#include "CableCheck.hpp"
 #include "CableNodes.hpp"
 #include "Drive.hpp"
 
@@ -63,13 +64,15 @@ const Body& CableEngine::elementBody(int element) const {
     const Scene& s = theScene();
     const Body::id_t id = elementIds[element];
     if (!s.bodies->exists(id))
-        refuse(text("body ", id, " of element ", element,
-                    " was erased: erase the whole cable, or make one that touches nothing (contactPoints=0)"));
+        refuse(text(
+            "body ", id, " of element ", element,
+            " was erased: erase the whole cable with its engine, or make one that touches nothing (contactPoints=0)"));
     return *(*s.bodies)[id];
 }
 
 void CableEngine::build() {
     checkScene();
+    checkBodies();
     touching.reset();
     makeModel();
     mapBodies();
@@ -140,11 +143,26 @@ void CableEngine::scatter() {
     }
 }
 
-void CableEngine::action() {
-    if (!model || !pairsChecked) build(); // engines that drive bodies may have come since
-    if (!pairsChecked) checkPairs();
+void CableEngine::getReady() {
+    const size_t known = carrierOfBody.size();
+    try {
+        if (pairsChecked) {
+            checkBodies();
+            if (known != scene->bodies->size()) CableCheck(*this).partners(static_cast<Body::id_t>(known));
+        } else {
+            build(); // engines that drive bodies may have come since
+            checkPairs();
+        }
+    } catch (...) {
+        scene->doSort = true; // the collider may have seen no elements in this step
+        throw;
+    }
     pairsChecked = true;
-    if (carrierOfBody.size() != scene->bodies->size()) mapBodies();
+    if (known != scene->bodies->size()) mapBodies();
+}
+
+void CableEngine::action() {
+    getReady();
     model->x = position.data();
     model->v = velocity.data();
     model->track = scene->trackEnergy;

@@ -2,6 +2,7 @@
 // What a step must not be: unstable, not finite, or blind for pairs of bodies.
 #include "CableEngine.hpp"
 
+#include "CableCheck.hpp"
 #include "text.hpp"
 
 #include <core/InteractionLoop.hpp>
@@ -53,6 +54,45 @@ void CableEngine::checkScene() const {
         if (seen && dynamic_cast<const InteractionLoop*>(engine.get()))
             refuse("stands before InteractionLoop in O.engines: must stand after it");
     }
+}
+
+void CableEngine::checkBodies() const {
+    const Scene& s = theScene();
+    for (int e = 0; e < static_cast<int>(elementIds.size()); ++e)
+        if (elementIds[e] >= 0) elementBody(e);
+    for (size_t i = 0; i < carryIds.size(); ++i)
+        if (!s.bodies->exists(carryIds[i]))
+            refuse(text("body ", carryIds[i], ", which node ", carryNodes[i],
+                        " carries, was erased: its mass cannot be taken off a cable; let it live"));
+    for (size_t i = 0; i < followIds.size(); ++i)
+        if (!s.bodies->exists(followIds[i]))
+            refuse(text("body ", followIds[i], ", which node ", followNodes[i],
+                        " follows, was erased: release() the node first"));
+}
+
+// Bodies for which YADE would end at their first contact; told in our own step, as the collider cannot.
+void CableEngine::checkPartners() {
+    if (partnersChecked) return;
+    CableCheck(*this).partners(0);
+    partnersChecked = true;
+}
+
+void CableEngine::check() {
+    checkScene();
+    const CableCheck check(*this);
+    check.others();
+    check.partners(0);
+}
+
+py::list CableEngine::overlaps(Real part) {
+    if (!(part >= 0 && std::isfinite(part)))
+        throw std::invalid_argument(text("CableEngine.overlaps: part = ", part, ": must be finite and not below 0"));
+    if (!model) build();
+    model->x = position.data();
+    py::list all;
+    for (const Overlap& one : CableCheck(*this).overlaps(part))
+        all.append(py::make_tuple(one.first, one.second, one.at, one.depth, one.radius));
+    return all;
 }
 
 ancf_time CableEngine::timeOfStep() {

@@ -13,7 +13,7 @@ namespace yade {
 namespace {
     struct Known {
         vector<DriveEngine> drives;
-        const NewtonIntegrator* newton = nullptr;
+        vector<const NewtonIntegrator*> newtons; // the last one first
     };
 
     const Known& knownOf(const Scene& scene) {
@@ -27,7 +27,8 @@ namespace {
         found = Known();
         for (const auto& engine : scene.engines) {
             if (auto* drive = dynamic_cast<Drive*>(engine.get())) found.drives.push_back({engine.get(), drive});
-            if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get())) found.newton = newton;
+            if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get()))
+                found.newtons.insert(found.newtons.begin(), newton);
         }
         return found;
     }
@@ -35,7 +36,11 @@ namespace {
 
 const vector<DriveEngine>& drivesOf(const Scene& scene) { return knownOf(scene).drives; }
 
-const NewtonIntegrator* newtonOf(const Scene& scene) { return knownOf(scene).newton; }
+const NewtonIntegrator* newtonOf(const Scene& scene) {
+    for (const NewtonIntegrator* newton : knownOf(scene).newtons)
+        if (!newton->dead) return newton;
+    return nullptr;
+}
 
 Schedules::~Schedules() {
     if (functions.empty() || !Py_IsInitialized()) return;

@@ -42,7 +42,7 @@ struct DriveEngine {
 // Those of a scene. Remembered for as long as its engines stay the same: asked many times a step.
 const vector<DriveEngine>& drivesOf(const Scene& scene);
 
-// Its last NewtonIntegrator, or null; remembered likewise.
+// Its last NewtonIntegrator that is not switched off, or null; remembered likewise.
 const NewtonIntegrator* newtonOf(const Scene& scene);
 
 template <class F> void eachDrive(const Scene& scene, F f) {

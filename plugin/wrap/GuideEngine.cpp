@@ -127,8 +127,7 @@ void GuideEngine::prepare(Scene& s) {
     scene = &s;
     check();
     preparedIter = s.iter;
-    for (const auto& engine : s.engines)
-        if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get())) gravity = newton->gravity;
+    if (const NewtonIntegrator* newton = newtonOf(s)) gravity = newton->gravity;
     for (size_t i = 0; i < ids.size(); ++i) {
         if (!driven[i]) continue;
         const Real x =

@@ -2,12 +2,14 @@
 #include "HollarsPhys.hpp"
 
 #include "CableElement.hpp"
+#include "Drive.hpp"
 #include "Mobility.hpp"
 #include "Sheave.hpp"
 
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 #include <pkg/common/Box.hpp>
+#include <pkg/common/Collider.hpp>
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
@@ -189,10 +191,8 @@ void Law2_ScGeom_HollarsPhys_Hollars::beginStep() {
     touched.assign(now, 0);
     touchedIter = iter;
     for (EnergyOfStep* each : {&elastic, &damped, &rubbed}) each->beginStep();
-    gravity = Vector3r::Zero();
-    for (const auto& engine : scene->engines)
-        if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get()); newton && !newton->dead)
-            gravity = newton->gravity;
+    const NewtonIntegrator* newton = newtonOf(*scene);
+    gravity = newton ? newton->gravity : Vector3r(Vector3r::Zero());
     bodies = now;
     begun = iter;
 }
@@ -284,6 +284,7 @@ namespace {
         Real answer;    // velocity along the normal by a unit impulse, at most; 0: does not move [1/kg]
         const Body* moved;
         bool several; // there are others that move apart from it
+        mask_t mask;
     };
 
     // Along a normal that goes through a place, whatever its direction: the largest eigenvalue.
@@ -313,6 +314,7 @@ namespace {
         if (!kind.material || !shape) return false;
         kind.moved = &movedBody(scene, body);
         kind.several = false;
+        kind.mask = body.groupMask;
         const Mobility m = mobility(scene, *kind.moved);
         kind.curvature = 0;
         if (const auto* box = dynamic_cast<const Box*>(shape)) {
@@ -327,9 +329,9 @@ namespace {
         return true;
     }
 
-    // For each material, round or not, fixed or not: the body that answers most, and the flattest.
+    // For each material and mask, round or not, fixed or not: the body that answers most, and the flattest.
     vector<Kind> kindsOf(const Scene& scene) {
-        using Key = std::tuple<Real, Real, Real, Real, bool, bool, bool>;
+        using Key = std::tuple<Real, Real, Real, Real, bool, bool, bool, mask_t>;
         std::map<Key, std::pair<Kind, Kind>> found;
         // stiffness goes with the root of the radius
         const auto need = [](const Kind& k) { return k.answer / std::sqrt(std::max(k.curvature, 1e-12)); };
@@ -344,7 +346,8 @@ namespace {
                            given ? hollars->normalExponent : -1,
                            hollars != nullptr,
                            kind.curvature > 0,
-                           kind.answer > 0};
+                           kind.answer > 0,
+                           kind.mask};
             auto& [first, flattest] = found.insert({key, {kind, kind}}).first->second;
             const bool several = first.several || kind.moved != first.moved;
             if (need(kind) > need(first)) first = kind;
@@ -359,6 +362,15 @@ namespace {
         return kinds;
     }
 
+    // Bits of groupMask by which the colliders leave out pairs that both have one of them.
+    mask_t apart(const Scene& scene) {
+        mask_t bits = 0;
+        for (const auto& engine : scene.engines)
+            if (const auto* collider = dynamic_cast<const Collider*>(engine.get()))
+                bits |= collider->avoidSelfInteractionMask;
+        return bits;
+    }
+
     // From touch to parting without damping, of k delta^n at a speed and an answer [s].
     Real contactTime(Real k, Real n, Real speed, Real answer) {
         const Real depth = std::pow((n + 1) * speed * speed / (2 * k * answer), 1 / (n + 1));
@@ -371,11 +383,14 @@ Real Law2_ScGeom_HollarsPhys_Hollars::contactTimeStep(Real speed) const {
     if (!(speed > 0 && std::isfinite(speed)))
         throw std::invalid_argument("Law2_ScGeom_HollarsPhys_Hollars.contactTimeStep: speed = " +
                                     std::to_string(speed) + ": must be finite and above 0 [m/s]");
-    const vector<Kind> kinds = kindsOf(*Omega::instance().getScene());
+    const Scene& s = *Omega::instance().getScene();
+    const vector<Kind> kinds = kindsOf(s);
+    const mask_t avoided = apart(s);
     Real least = infinite;
     for (size_t i = 0; i < kinds.size(); ++i)
         for (size_t j = i; j < kinds.size(); ++j) {
             const Kind &a = kinds[i], &b = kinds[j];
+            if (!(a.mask & b.mask) || (a.mask & avoided && b.mask & avoided)) continue;
             const Real answer = a.answer + b.answer, rounder = std::max(a.curvature, b.curvature);
             // half that of the ball: in the tightest groove that it fits into
             const Real curvature = std::max(a.curvature + b.curvature, rounder / 2);

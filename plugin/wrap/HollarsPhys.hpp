@@ -132,7 +132,7 @@ public:
         ,
         .def("contactTimeStep", &Law2_ScGeom_HollarsPhys_Hollars::contactTimeStep, (py::arg("speed")),
              "The step [s] for contacts of the spheres, boxes, facets, walls and sheaves in the scene that are approached at "
-             "a speed [m/s]: a seventh of the shortest contact time. Single impacts come back within 1 % there, and "
+             "a speed [m/s], pairs without a common bit of groupMask left out: a seventh of the shortest contact time. Single impacts come back within 1 % there, and "
              "a body is stable with twelve such contacts. Infinite if none can touch.")
     )
     // clang-format on

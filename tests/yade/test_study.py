@@ -97,7 +97,7 @@ def test_cable_through_a_body_is_told(scene, shape):
         center, (4e-3,) * 3, material="m"
     )
     O.engines = ancf.engines(cable)
-    with pytest.raises((ValueError, RuntimeError), match="inside it"):
+    with pytest.raises((ValueError, RuntimeError), match="start with an overlap of"):
         ancf.check()
 
 

@@ -14,10 +14,9 @@ from yade import O, Quaternion, Vector3, wrapper
 from . import scene, values
 from .cables import Cable
 from .laying import curveLength
-from .structure import Structure
+from .structure import SPRING, Structure
 
-DEEPEST_START = 0.5  # depth that a cable may have in a sheave at the start, in its radii
-COARSE = 0.1  # chord error between places of contact that is warned of, in radii of the cable
+COARSE = 0.1  # distance from the arc of a sheave that is warned of, in radii of the cable
 
 
 # ---- making ------------------------------------------------------------------------------------
@@ -361,7 +360,7 @@ def engines(*parts, **options):
     """As ancf.engines, with sheaves: `parts` are cables, nets, SheaveEngines and GuideEngines.
 
     Raises ValueError for a cable that starts inside a sheave or does not fit its groove; warns of
-    places of contact that are too far apart.
+    elements or contact points that are too coarse for an arc.
     """
     structures = [p for p in parts if isinstance(p, Structure)]
     drives = [p for p in parts if isinstance(p, (wrapper.SheaveEngine, wrapper.GuideEngine))]
@@ -442,7 +441,7 @@ def _checkStart(structure, sheaveId):
         for p, s in zip(span.curve(4), span.stations(4)):
             depth = shape.touch(back * (Vector3(*p) - body.state.pos), r)[0]
             near = near or depth > -2 * r
-            if depth > DEEPEST_START * r:
+            if depth > scene.DEEPEST_START * r:
                 raise ValueError(
                     f"{structure.name} starts {depth:.3g} m inside sheave {sheaveId} at s = {s:.4f} "
                     f"(its radius is {r:g} m): lay it further out, or with more elements"
@@ -454,15 +453,29 @@ def _checkStart(structure, sheaveId):
             f"the groove of sheave {sheaveId} (radius {shape.fillet:g} m) is narrower than "
             f"{structure.name} (radius {r:g} m): make grooveRadius at least {r:g}"
         )
-    spacing = max(structure._layout.length) / (structure._contactPoints + 1)
-    error = spacing**2 / (8 * (shape.radius + r))
+    what, error, remedy = _coarseness(structure, shape.radius + r)
     if error > COARSE * r:
         warnings.warn(
-            f"{structure.name}: contact points {spacing:.3g} m apart on sheave {sheaveId} of radius "
-            f"{shape.radius:g} m leave a chord error of {error:.2g} m, "
-            f"{error / r:.0%} of the cable's radius; more elements or contactPoints make it smaller",
+            f"{structure.name}: {what} on sheave {sheaveId} of radius {shape.radius:g} m can stray from its arc by "
+            f"{error:.2g} m, {error / r:.0%} of the cable's radius; more {remedy} make it smaller",
             stacklevel=4,
         )
+
+
+def _coarseness(structure, radius):
+    """What keeps a cable from an arc of a radius [m], by how much [m], and more of what mends it."""
+    length = max(structure._layout.length)
+    if structure.section.kind & SPRING:
+        return f"straight springs of {length:.3g} m", length**2 / (8 * radius), "midPoints"
+    if structure.contact == "points":  # what lies between them sinks in
+        spacing = length / structure._segments
+        return (
+            f"contact points {spacing:.3g} m apart",
+            spacing**2 / (8 * radius),
+            "elements or contactPoints",
+        )
+    # a cubic with the arc's tangents at its ends, in its middle
+    return f"elements of {length:.3g} m", length**4 / (384 * radius**3), "elements"
 
 
 # ---- reading -----------------------------------------------------------------------------------

@@ -19,6 +19,10 @@ LAW_OPTIONS = {
 
 SOLIDS = ("Sphere", "Box", "Facet", "Wall")  # that cables touch, sheaves besides
 
+# Overlap at the start, in the smaller radius of both
+DEEPEST_START = 0.5  # more is refused
+DEEP_START = 0.1  # more is warned of
+
 
 def engines(
     *structures,
@@ -170,8 +174,9 @@ def check():
     """Raises RuntimeError or ValueError if the scene, as it is now, would fail silently or end
     YADE.
 
-    Looks at periodicity, order of engines, collider settings, materials, and the functors of all
-    pairs of bodies that can meet. Warns of what is legal but hardly meant.
+    Looks at periodicity, order of engines, collider settings, materials, what cables can meet
+    (CableEngine.check), the functors of all pairs of bodies that can meet, and at the start at what
+    overlaps. Warns of what is legal but hardly meant.
     """
     if O.periodic:
         raise ValueError("O.periodic = True: cables do not know periodic cells; set it to False")
@@ -180,9 +185,14 @@ def check():
     for body in _one(lambda b: b.material.id if b.material else None):
         if isinstance(body.material, wrapper.HollarsMat):
             checkMaterial(body.material)
+    for engine in cableEngines():
+        engine.check()
     _checkFunctors()
-    if O.iter == 0:
-        _checkInside()
+    _checkLaw()
+    for engine in cableEngines():
+        if O.iter == 0 or engine.lastStep == 0:
+            _checkLengths(engine)
+            _checkOverlaps(engine)
 
 
 def _checkFolded(net):
@@ -217,37 +227,52 @@ def _halfSize(body):
     return np.abs(turn) @ np.array(list(body.shape.extents))
 
 
-def _checkInside():
-    """Refuses cables whose axis is in a sphere or box that they can touch."""
-    elements = [b for b in O.bodies if _isElement(b)]
-    if not elements:
+def _checkLengths(engine):
+    """Warns of elements that touch and are shorter than they are thick."""
+    bodies, lengths = engine.elementIds, engine.length
+    thick = [2 * r for r in engine.radius]
+    short = [e for e, i in enumerate(bodies) if i >= 0 and lengths[e] < (1 - 1e-9) * thick[e]]
+    if not short:
         return
-    owners = {engine.family: engine for engine in cableEngines()}
-    xi = np.linspace(0, 1, 9)
-    at = np.array(
-        [[list(owners[b.shape.family].point(b.shape.element, x)) for x in xi] for b in elements]
+    e = min(short, key=lambda e: lengths[e] / thick[e])
+    warnings.warn(
+        f"{_name(O.bodies[bodies[e]])} is {lengths[e]:.3g} m long, but {thick[e]:.3g} m thick, the worst of "
+        f"{len(short)} such elements of CableEngine {engine.family}: one body touches several of them at once, and "
+        "the contact is stiffer than its materials are; take fewer elements, or midPoints",
+        stacklevel=3,
     )
-    for body in _solids():
-        local = at - np.array(list(body.state.pos))
-        near = np.argwhere((np.abs(local) < _halfSize(body)).all(axis=2))
-        for k, i in near:
-            element = elements[k]
-            if (
-                _inside(body, local[k, i])
-                and _canMeet(body, element)
-                and body.id not in element.shape.exclude
-            ):
-                raise ValueError(
-                    f"{_name(body)}: the axis of a cable, element {element.shape.element} (body {element.id}) "
-                    f"at {tuple(at[k, i])}, is inside it: move one of them, or separate them by groupMask"
+
+
+def _checkOverlaps(engine):
+    """Refuses cables, and what their knots carry, that start deep in something; warns of less."""
+    found = engine.overlaps(DEEP_START)
+    if not found:
+        return
+    first, second, at, depth, radius = max(found, key=lambda f: f[3] / f[4])
+    text = (
+        f"{_name(O.bodies[first])} and {_name(O.bodies[second])} start with an overlap of {depth:.3g} m "
+        f"at {tuple(at)}, {depth / radius:.0%} of the smaller radius {radius:g} m, the worst of {len(found)}"
+    )
+    remedy = "move one of them, or separate them by groupMask"
+    if depth > DEEPEST_START * radius:
+        raise ValueError(f"{text}: {remedy}")
+    warnings.warn(f"{text}, and spring apart unless they are at rest: {remedy}", stacklevel=3)
+
+
+def _checkLaw():
+    """Warns of laws of cables and of other bodies that differ."""
+    if not _place("InteractionLoop"):
+        return
+    law = _hollarsLaw()
+    for engine in cableEngines():
+        for name in LAW_OPTIONS:
+            mine, its = getattr(engine, name), getattr(law, name)
+            if mine != its:
+                warnings.warn(
+                    f"Law2_ScGeom_HollarsPhys_Hollars.{name} = {its!r}, but CableEngine.{name} = {mine!r}: the former "
+                    "does not reach contacts of cables; set both, or use ancf.engines(contact=...)",
+                    stacklevel=3,
                 )
-
-
-def _inside(body, local):
-    if isinstance(body.shape, wrapper.Sphere):
-        return np.linalg.norm(local) < body.shape.radius
-    turned = body.state.ori.conjugate() * Vector3(*local)
-    return all(abs(turned[i]) < body.shape.extents[i] for i in range(3))
 
 
 def _place(kind):
@@ -320,8 +345,10 @@ def _checkFunctors():
 
 
 def _name(body):
-    label = f" {body.material.label!r}" if body.material.label else ""
-    return f"body {body.id} ({type(body.shape).__name__}, {type(body.material).__name__}{label})"
+    label = f" {body.material.label!r}" if body.material and body.material.label else ""
+    number = f" {body.shape.element}" if _isElement(body) else ""
+    shape, material = type(body.shape).__name__, type(body.material).__name__
+    return f"body {body.id} ({shape}{number}, {material}{label})"
 
 
 def _canMeet(a, b):
