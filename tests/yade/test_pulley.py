@@ -636,9 +636,6 @@ def test_bad_input(scene):
         pulleys.engines(coarse, engine)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="open: work of gravity leaves out what contacts shift, limit 1e-3"
-)
 def test_energy_of_the_drive_rig(scene):
     """Work of the drive = kinetic + elastic + gravity + what was dissipated."""
     sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "yade-scripts"))

@@ -496,14 +496,22 @@ class Wrap:
 
     @property
     def wrapAngle(self):
-        """[rad]. Between the outer points; an outer point whose normal force is that of its
-        neighbour adds half of the way to the next one, one with less accordingly less.
+        """[rad]. Between where the normal force, summed up from either end, starts as it goes on
+        over the sixth of the wrap there: single places share the force unevenly.
         """
         if len(self.angle) < 3:
             return float(self.angle[-1])
-        steps, f = np.diff(self.angle), self.normal
-        shares = [min(f[0] / f[1], 1.0), min(f[-1] / f[-2], 1.0)]
-        return float(self.angle[-1] + steps[0] * (shares[0] - 0.5) + steps[-1] * (shares[1] - 0.5))
+        middle = np.cumsum(self.normal) - self.normal / 2
+        left = self._start(self.angle, middle)
+        right = self._start(self.angle[-1] - self.angle[::-1], self.normal.sum() - middle[::-1])
+        return float(self.angle[-1] - left - right)
+
+    @staticmethod
+    def _start(angle, force):
+        """Where a line through the first sixth of a summed force is 0 [rad]; 3 places at least."""
+        n = max(3, np.count_nonzero(angle <= angle[-1] / 6))
+        slope, offset = np.polyfit(angle[:n], force[:n], 1)
+        return -offset / slope
 
     @property
     def normalSum(self):
