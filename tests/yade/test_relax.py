@@ -85,11 +85,12 @@ def test_catenary_with_touchdown(scene, model, contact):
     at = c.curve(4)
     assert at[:, 2].min() > RADIUS - 0.02 * RADIUS
     weight = c.section.rhoA * G
-    carried = []
+    carried, held = [], []
     for _ in range(2000):
         O.step()
         carried.append(sum(i.phys.normalForce[2] for i in O.interactions if i.isReal))
-    assert c.reaction(0)[2] == pytest.approx(weight * hanging, rel=0.01)
+        held.append(c.reaction(0)[2])
+    assert np.mean(held) == pytest.approx(weight * hanging, rel=0.01)
     assert np.mean(carried) == pytest.approx(weight * (c.length - 2 * hanging), rel=0.005)
     steps(300)
     assert abs(c.curve(4) - at).max() < (1e-8 if contact == "points" else 0.002 * RADIUS)
