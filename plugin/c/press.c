@@ -14,6 +14,9 @@ static const double substeps_largest = 1e6;
 // Part of a contact's force, and of what stops it in a sub-step, that gives back what it owes.
 static const double repaid_part = 0.1;
 
+// Part of a force by which it may be off for Newton's method to end.
+static const double enough = 1e-7;
+
 enum { ROUNDS = 60, TOGETHER = 20 };
 
 // Change of a force, as part of the largest, below which contacts that press on one another are done.
@@ -102,15 +105,8 @@ int ancf_table_substeps(ancf_table* t, double step, int* stiffest) {
 // Normal force of a sub-step.
 typedef struct {
     double elastic, total; // [N]
+    double slope[2];       // of both, by the force that moves the contact [-]
 } pressing;
-
-// Minus the quotient of elastic energy and way (a discrete gradient), so that the length of the sub-steps neither gives
-// nor takes energy. [N]
-static double elastic_force(const ancf_normal* law, double gap, double energy, double way) {
-    const double shortest = 1e-7 * fabs(gap);
-    if (fabs(way) > shortest) return (energy - ancf_normal_energy(law, -(gap + way))) / way;
-    return ancf_normal_force(&(ancf_normal) {law->kind, law->stiffness, law->exponent, 0.0}, -(gap + 0.5 * way), 0.0);
-}
 
 // Part of a way on which there is overlap.
 static double overlapping(double gap, double way) {
@@ -119,49 +115,58 @@ static double overlapping(double gap, double way) {
     return end >= 0.0 ? 0.0 : end / way;
 }
 
-// The same with damping at the mean velocity, u + answer times the force; never pulling.
-static double damped_force(double elastic, double rate, double u, double answer) {
-    return elastic > 0.0 ? fmax(0.0, (elastic - rate * u) / (1.0 + rate * answer)) : 0.0;
-}
-
-// What a contact answers over a sub-step h with velocity u, if `force` is what moves it.
+// What a contact answers over a sub-step h with velocity u, if `force` is what moves it. The elastic part is minus the
+// quotient of elastic energy and way (a discrete gradient), so that the length of the sub-steps neither gives nor takes
+// energy; damping acts at the mean velocity. Never pulling.
 static pressing answer_to(const ancf_contact* c, double u, double h, double energy, double force) {
-    const double answer = 0.5 * h * c->own, way = h * (u + answer * force);
-    pressing f = {elastic_force(&c->law, c->gap, energy, way), 0.0};
-    double rate = 0.0; // of damping [N s/m]
-    if (c->law.kind == ANCF_NORMAL_LINEAR) rate = c->law.damping * overlapping(c->gap, way);
-    if (c->law.kind == ANCF_NORMAL_NONLINEAR) rate = 1.5 * c->law.damping * f.elastic; // Eq. 10
-    f.total = damped_force(f.elastic, rate, u, answer);
+    const ancf_normal* law = &c->law;
+    const double own = 0.5 * h * c->own, way = h * (u + own * force), depth = -(c->gap + way);
+    const ancf_normal spring = {law->kind, law->stiffness, law->exponent, 0.0};
+    pressing f = {0.0, 0.0, {0.0, 0.0}};
+    double rise; // of the elastic force, by the way
+    if (fabs(way) > 1e-7 * fabs(c->gap)) {
+        const double n = law->kind == ANCF_NORMAL_LINEAR ? 1.0 : law->exponent;
+        const double end = ancf_normal_force(&spring, depth, 0.0);
+        f.elastic = (energy - (depth > 0.0 ? end * depth / (n + 1.0) : 0.0)) / way;
+        rise = (end - f.elastic) / way;
+    } else {
+        f.elastic = ancf_normal_force(&spring, depth + 0.5 * way, 0.0);
+        rise = -0.5 * ancf_normal_tangent(law, depth + 0.5 * way);
+    }
+    if (!(f.elastic > 0.0)) return f;
+    double rate = 0.0, bends = 0.0; // of damping [N s/m], and by the elastic force
+    if (law->kind == ANCF_NORMAL_LINEAR) rate = law->damping * overlapping(c->gap, way);
+    if (law->kind == ANCF_NORMAL_NONLINEAR) rate = f.elastic * (bends = 1.5 * law->damping); // Eq. 10
+    // At the mean velocity u + own total.
+    const double whole = 1.0 + rate * own;
+    f.total = (f.elastic - rate * u) / whole;
+    f.total = fmax(f.total, 0.0);
+    f.slope[0] = rise * h * own;
+    if (f.total > 0.0) f.slope[1] = (1.0 - bends * (u + own * f.total)) / whole * f.slope[0];
     return f;
 }
 
 // One contact over a sub-step h, from its gap and the velocity u that it would have by itself: the force that is its
-// own answer. The answer falls with the force, so regula falsi (Illinois) finds it however stiff the contact is.
-static pressing press_one(const ancf_contact* c, double u, double h) {
-    if (c->gap >= 0.0 && c->gap + h * u >= 0.0) return (pressing) {0.0, 0.0};
-    const double energy = ancf_normal_energy(&c->law, -c->gap);
-    pressing f = answer_to(c, u, h, energy, 0.0);
-    double low = 0.0, above = f.total, high = f.total, below = 0.0; // brackets, and how far the answers are off there
-    if (!(high > 0.0)) return f;
-    double force = high;
-    int side = 0;
+// own answer, sought from a guess on. The answer falls with the force, so Newton's method within brackets finds it
+// however stiff the contact is.
+static pressing press_one(const ancf_contact* c, double u, double h, double guess) {
+    if (c->gap >= 0.0 && c->gap + h * u >= 0.0) return (pressing) {0.0, 0.0, {0.0, 0.0}};
+    double low = 0.0, high = INFINITY, force = guess;
+    pressing f;
     for (int i = 0; i < ROUNDS; ++i) {
-        f = answer_to(c, u, h, energy, force);
-        const double off = f.total - force;
-        if (fabs(off) <= 1e-13 * force) break;
-        if (off > 0.0) {
-            low = force;
-            above = off;
-            if (side > 0) below *= 0.5;
-            side = 1;
-        } else {
-            high = force;
-            below = off;
-            if (side < 0) above *= 0.5;
-            side = -1;
+        f = answer_to(c, u, h, c->energy, force);
+        const double off = f.total - force, more = off / (1.0 - fmin(f.slope[1], 0.0));
+        if (fabs(off) <= enough * force) { // the error is of the order of its square
+            f.total = force + more;
+            f.elastic += f.slope[0] * more;
+            break;
         }
-        force = low + above * (high - low) / (above - below);
-        if (!(force > low && force < high)) force = 0.5 * (low + high);
+        if (off > 0.0) low = force;
+        else high = force;
+        force += more;
+        if (force > low && force < high) continue;
+        if (high == INFINITY) high = answer_to(c, u, h, c->energy, low).total;
+        force = 0.5 * (low + high);
         if (!(force > low && force < high)) break;
     }
     return f;
@@ -188,12 +193,12 @@ static double press_round(ancf_table* t, double h, double rest, bool first, doub
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         const double others = along_normal(t, c) - c->speed - h * c->own * c->force;
-        const pressing f = press_one(c, c->speed + 0.5 * others, h);
+        const pressing f = press_one(c, c->speed + 0.5 * others, h, first ? c->before : c->force);
         c->repaid = repay(c, f.total, c->speed + 0.5 * (others + h * c->own * f.total), h);
         const double total = f.total + c->repaid, more = total - c->force;
         change = fmax(change, fabs(more));
         *largest = fmax(*largest, total);
-        c->force = total;
+        c->force = c->before = total;
         c->elastic = f.elastic;
         if (!first && more != 0.0) kick_along(t, c, h * more, rest);
     }
@@ -227,6 +232,7 @@ static void substep(ancf_table* t, double h, double at, double rest, double sinc
         swing(t, c, since, until);
         c->speed = along_normal(t, c);
         c->force = 0.0;
+        c->energy = ancf_normal_energy(&c->law, -c->gap);
     }
     ancf_table_speed_up(t, h);
     double largest, change = press_round(t, h, rest, true, &largest);

@@ -230,7 +230,7 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         c->own = ancf_table_compliance(t, c, c->normal);
-        c->impulse = c->force = c->repaid = c->energy = c->damped = c->rubbed = 0.0;
+        c->impulse = c->force = c->before = c->repaid = c->energy = c->damped = c->rubbed = 0.0;
         memcpy(c->start, c->side[1].arm, sizeof c->start);
         memcpy(c->line, c->normal, sizeof c->line);
         for (int k = 0; k < 3; k++) c->guess[k] = c->late[k] = c->balanced[k] = c->changing[k] = 0.0;

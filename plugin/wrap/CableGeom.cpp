@@ -33,11 +33,13 @@ namespace {
     }
 
     // Where a body will be a time from now, at its velocities of now.
-    Se3r poseAhead(const State& state, Real time) {
-        Se3r pose;
-        pose.position = state.pos + time * state.vel;
-        pose.orientation = turned(time * state.angVel) * state.ori;
-        return pose;
+    Se3r poseAhead(const Shape&, const State& state, Real time) {
+        const bool turns = state.angVel != Vector3r::Zero();
+        return Se3r(state.pos + time * state.vel, turns ? turned(time * state.angVel) * state.ori : state.ori);
+    }
+
+    Se3r poseAhead(const Sphere&, const State& state, Real time) {
+        return Se3r(state.pos + time * state.vel, state.ori);
     }
 
     ancf_solid solidOf(const Sphere& sphere, const Se3r& pose) {
@@ -206,14 +208,15 @@ void CableGeom::set(const ancf_nearest* found, int n) {
                                                  const shared_ptr<Interaction>& contact) {                             \
         if (passes(*shape2, *contact)) return false;                                                                   \
         const auto& first = static_cast<const Kind&>(*shape1);                                                         \
-        return nearCable(*scene, solidOf(first, poseAhead(state1, scene->dt / 2)), state1, radius, *shape2, contact);  \
+        return nearCable(*scene, solidOf(first, poseAhead(first, state1, scene->dt / 2)), state1, radius, *shape2,     \
+                         contact);                                                                                     \
     }
 #define ANCF_NEAR_SPHERE(Kind, radius)                                                                                 \
     bool Ig2_##Kind##_CarriedSphere_CableGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,    \
                                                   const State& state1, const State& state2, const Vector3r&,           \
                                                   const bool&, const shared_ptr<Interaction>& contact) {               \
         const auto& first = static_cast<const Kind&>(*shape1);                                                         \
-        const ancf_solid solid = solidOf(first, poseAhead(state1, scene->dt / 2));                                     \
+        const ancf_solid solid = solidOf(first, poseAhead(first, state1, scene->dt / 2));                              \
         return nearSphere(*scene, solid, state1, radius, *shape2, state2, contact);                                    \
     }
 #define ANCF_NEAR(Kind, radius) ANCF_NEAR_CABLE(Kind, radius) ANCF_NEAR_SPHERE(Kind, radius)
