@@ -453,6 +453,7 @@ def study(folder, runs, workers, duration, targets, models, more=True):
     """All captures; returns {(target, model): [Run, ...]}, the unperturbed first."""
     cases = [(t, m) for t in targets for m in models]
     if more:
+        cases += [(t, m) for t in TARGETS for m in CURVE]
         cases += [("ball", m) for m in CONSISTENT] + [("cube", m) for m in FINE]
     pictures = [t for t in PICTURES if t <= duration] or [duration]
     jobs = []
