@@ -18,7 +18,10 @@
 static const double smallest = 0.05;
 
 // Couples move the centrelines too, each time by much less.
-enum { PASSES = 3 };
+enum { PASSES = 20 };
+
+// Part of the largest moment that is left when passes end.
+static const double rounding = 1e-16;
 
 static void unit(double t[3], const double v[3]) {
     const double size = sqrt(ancf_dot(v, v));
@@ -122,8 +125,9 @@ static void add_left(ancf_table* t, const ancf_contact* c, const double moment[3
     }
 }
 
-// Balances what friction has added to the moment of the normal impulses, but for what couples have balanced.
-static void balance(ancf_table* t, ancf_contact* c) {
+// Balances what friction has added to the moment of the normal impulses, but for what couples have balanced. Returns
+// the square of that, *all is the square of the moment.
+static double balance(ancf_table* t, ancf_contact* c, double* all) {
     double moment[3], more[3], w[2][3];
     ancf_table_going(more, t, c);
     for (int i = 0; i < 3; i++) more[i] -= c->going[i];
@@ -132,17 +136,25 @@ static void balance(ancf_table* t, ancf_contact* c) {
         more[i] = moment[i] - c->balanced[i];
         c->balanced[i] = moment[i];
     }
-    if (!ancf_lever_has(c)) return;
+    *all = ancf_dot(moment, moment);
+    if (!ancf_lever_has(c)) return 0.0;
     couples(w, t, c, more);
     for (int s = 0; s < 2; ++s) ancf_table_kick_slope(t, c->side[s].place, w[s]);
+    return ancf_dot(more, more);
 }
 
 void ancf_lever_balance(ancf_table* t, double step) {
-    for (int pass = 0; pass < PASSES; ++pass)
+    double change = 1.0, most = 0.0;
+    for (int pass = 0; pass < PASSES && change > rounding * rounding * most; ++pass) {
+        change = most = 0.0;
         for (int k = 0; k < t->n_contacts; ++k) {
             ancf_contact* c = &t->contact[k];
-            if (c->radius[0] > 0.0 && c->impulse > 0.0) balance(t, c);
+            double all;
+            if (!(c->radius[0] > 0.0) || !(c->impulse > 0.0)) continue;
+            change = fmax(change, balance(t, c, &all));
+            most = fmax(most, all);
         }
+    }
     for (int k = 0; k < t->n_contacts; ++k) {
         const ancf_contact* c = &t->contact[k];
         if (!(c->radius[0] > 0.0) || !(c->impulse > 0.0)) continue;
