@@ -6,8 +6,9 @@
 
 #include <math.h>
 
-// On Stribeck's falling branch neighbours can free and catch each other without end: later sweeps go half the way.
-enum { SWEEPS_WHOLE = 8, SWEEPS_MAX = 24 };
+// On Stribeck's falling branch neighbours can free and catch each other without end: in later sweeps what slides and
+// can, goes on to.
+enum { SWEEPS_FREE = 3, SWEEPS_MAX = 24 };
 
 // Part of the largest friction impulse below which a sweep's changes end the solve.
 static const double tolerance = 1e-8;
@@ -62,19 +63,20 @@ static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind
 // Puts one contact's friction right while the others' stay; returns the square of its change [N2 s2]. Its own part is
 // taken off the velocity, the scalar equation solved along what is left, and the new part put on: where nothing changes
 // any more, the friction belongs to the true velocity, even if w was only near the response in that direction.
-static double rub_one(ancf_table* t, ancf_contact* c, double step, double part) {
+static double rub_one(ancf_table* t, ancf_contact* c, double step, bool free) {
     double v[3], change[3];
     slip_of(v, t, c);
     project(v, c->normal);
     const double w = c->own;
     for (int i = 0; i < 3; i++) v[i] -= w * step * c->friction[i];
     const double speed = sqrt(ancf_dot(v, v));
-    const double left = ancf_friction_solve(&c->rub, speed, w * c->impulse);
+    const double left = ancf_friction_solve(&c->rub, speed, w * c->impulse, !free && c->slides);
+    c->slides = left > c->rub.v0;
     const double force = ancf_friction_coefficient(&c->rub, left) * c->impulse / step;
     for (int i = 0; i < 3; i++) {
         const double friction = speed > 0.0 ? -force * (v[i] / speed) : 0.0;
-        change[i] = part * step * (friction - c->friction[i]);
-        c->friction[i] += part * (friction - c->friction[i]);
+        change[i] = step * (friction - c->friction[i]);
+        c->friction[i] = friction;
     }
     rub(t, c, change, step);
     return ancf_dot(change, change);
@@ -151,9 +153,9 @@ int ancf_table_rub(ancf_table* t, double step, double* left) {
     int sweep = 0;
     while (largest > 0.0 && sweep < SWEEPS_MAX) {
         change = 0.0;
-        const double part = ++sweep > SWEEPS_WHOLE ? 0.5 : 1.0;
+        const bool free = ++sweep <= SWEEPS_FREE;
         for (int i = 0; i < t->n_contacts; ++i)
-            if (rubs(&t->contact[i])) change = fmax(change, rub_one(t, &t->contact[i], step, part));
+            if (rubs(&t->contact[i])) change = fmax(change, rub_one(t, &t->contact[i], step, free));
         if (change <= tolerance * tolerance * largest * largest) break;
     }
     if (largest > 0.0) *left = sqrt(change) / largest;

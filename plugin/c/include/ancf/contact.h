@@ -69,6 +69,7 @@ typedef struct {
     ancf_friction rub;
     double friction[3];    // in: first guess; out: mean force on the first side in this step [N]
     double guess[3];       // what of it acted while the normal forces did [N]
+    bool slides;           // faster than the transition velocity of its friction
     double impulse;        // of the normal force in this step, >= 0 [N s]
     double depth;          // deepest penetration in this step [m]
     double force, before;  // normal force of a sub-step, and the last that was found [N]

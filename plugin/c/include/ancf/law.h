@@ -5,6 +5,8 @@
 
 #include "error.h"
 
+#include <stdbool.h>
+
 typedef enum {
     ANCF_NORMAL_LINEAR,    // spring-dashpot, f = k d + c d'
     ANCF_NORMAL_HERTZ,     // f = k d^n
@@ -53,7 +55,7 @@ double ancf_friction_coefficient(const ancf_friction* law, double speed);
 double ancf_friction_slope(const ancf_friction* law);
 
 // The speed u >= 0 [m/s] that is left once friction has acted: u + beta mu(u) = speed, beta = dt f_n/m >= 0 [m/s].
-// On Stribeck's falling branch there can be several roots: the sticking one is taken.
-double ancf_friction_solve(const ancf_friction* law, double speed, double beta);
+// On Stribeck's falling branch there can be several roots: the sticking one is taken, or the fastest if it slides.
+double ancf_friction_solve(const ancf_friction* law, double speed, double beta, bool slides);
 
 #endif
