@@ -5,13 +5,14 @@
 #include "lever.h"
 
 #include <math.h>
+#include <string.h>
 
 // On Stribeck's falling branch neighbours can free and catch each other without end: in later sweeps what slides and
 // can, goes on to.
 enum { SWEEPS_FREE = 3, SWEEPS_MAX = 24 };
 
-// Part of the largest friction impulse below which a sweep's changes end the solve.
-static const double tolerance = 1e-8;
+// Part of the largest friction impulse below which a sweep's changes end the solve, and a contact is left as it is.
+static const double tolerance = 1e-7;
 
 static void project(double v[3], const double normal[3]) {
     const double along = ancf_dot(v, normal);
@@ -63,12 +64,18 @@ static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind
 // Puts one contact's friction right while the others' stay; returns the square of its change [N2 s2]. Its own part is
 // taken off the velocity, the scalar equation solved along what is left, and the new part put on: where nothing changes
 // any more, the friction belongs to the true velocity, even if w was only near the response in that direction.
-static double rub_one(ancf_table* t, ancf_contact* c, double step, bool free) {
+static double rub_one(ancf_table* t, ancf_contact* c, double step, double largest, bool free) {
     double v[3], change[3];
     slip_of(v, t, c);
     project(v, c->normal);
     const double w = c->own;
-    for (int i = 0; i < 3; i++) v[i] -= w * step * c->friction[i];
+    double moved = 0.0;
+    for (int i = 0; i < 3; i++) {
+        v[i] -= w * step * c->friction[i];
+        moved = fmax(moved, fabs(v[i] - c->without[i]));
+    }
+    if (moved <= tolerance * w * largest) return 0.0;
+    memcpy(c->without, v, sizeof v);
     const double speed = sqrt(ancf_dot(v, v));
     const double left = ancf_friction_solve(&c->rub, speed, w * c->impulse, !free && c->slides);
     c->slides = left > c->rub.v0;
@@ -138,6 +145,7 @@ static double start(ancf_table* t, ancf_contact* c, double step) {
     rub(t, c, P, step);
     if (!rubs(c)) return 0.0;
     c->own = across(t, c);
+    c->without[0] = c->without[1] = c->without[2] = INFINITY; // solved once at least
     return bound;
 }
 
@@ -155,7 +163,7 @@ int ancf_table_rub(ancf_table* t, double step, double* left) {
         change = 0.0;
         const bool free = ++sweep <= SWEEPS_FREE;
         for (int i = 0; i < t->n_contacts; ++i)
-            if (rubs(&t->contact[i])) change = fmax(change, rub_one(t, &t->contact[i], step, free));
+            if (rubs(&t->contact[i])) change = fmax(change, rub_one(t, &t->contact[i], step, largest, free));
         if (change <= tolerance * tolerance * largest * largest) break;
     }
     if (largest > 0.0) *left = sqrt(change) / largest;

@@ -188,11 +188,15 @@ static double repay(const ancf_contact* c, double force, double speed, double h)
 // Presses every contact while the others go on as they did in the round before. Returns the largest change of a force,
 // *largest is the largest force. The first round looks at all before any is kicked.
 static double press_round(ancf_table* t, double h, double rest, bool first, double* largest) {
+    const double little = 0.1 * together * *largest;
     double change = 0.0;
     *largest = 0.0;
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         const double others = along_normal(t, c) - c->speed - h * c->own * c->force;
+        *largest = fmax(*largest, c->force);
+        if (!first && fabs(others - c->met) <= h * c->own * little) continue; // its force would change by less
+        c->met = others;
         const pressing f = press_one(c, c->speed + 0.5 * others, h, first ? c->before : c->force);
         c->repaid = repay(c, f.total, c->speed + 0.5 * (others + h * c->own * f.total), h);
         const double total = f.total + c->repaid, more = total - c->force;
@@ -235,7 +239,7 @@ static void substep(ancf_table* t, double h, double at, double rest, double sinc
         c->energy = ancf_normal_energy(&c->law, -c->gap);
     }
     ancf_table_speed_up(t, h);
-    double largest, change = press_round(t, h, rest, true, &largest);
+    double largest = 0.0, change = press_round(t, h, rest, true, &largest);
     for (int i = 1; i < TOGETHER && change > together * largest; ++i) change = press_round(t, h, rest, false, &largest);
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];

@@ -69,6 +69,8 @@ typedef struct {
     ancf_friction rub;
     double friction[3];    // in: first guess; out: mean force on the first side in this step [N]
     double guess[3];       // what of it acted while the normal forces did [N]
+    double without[3];     // slip without its own friction, when that was found [m/s]
+    double met;            // velocity along the normal without its own force, when that was found [m/s]
     bool slides;           // faster than the transition velocity of its friction
     double impulse;        // of the normal force in this step, >= 0 [N s]
     double depth;          // deepest penetration in this step [m]
