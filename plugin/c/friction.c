@@ -12,7 +12,7 @@
 enum { SWEEPS_FREE = 3, SWEEPS_MAX = 24 };
 
 // Part of the largest friction impulse below which a sweep's changes end the solve, and a contact is left as it is.
-static const double tolerance = 1e-7;
+static const double tolerance = 1e-8;
 
 static void project(double v[3], const double normal[3]) {
     const double along = ancf_dot(v, normal);
