@@ -59,7 +59,7 @@ void CableEngine::checkScene() const {
 void CableEngine::checkBodies() const {
     const Scene& s = theScene();
     for (int e = 0; e < static_cast<int>(elementIds.size()); ++e)
-        if (elementIds[e] >= 0) elementBody(e);
+        if (elementIds[e] >= 0 && !s.bodies->exists(elementIds[e])) elementBody(e); // refuses
     for (size_t i = 0; i < carryIds.size(); ++i)
         if (!s.bodies->exists(carryIds[i]))
             refuse(text("body ", carryIds[i], ", which node ", carryNodes[i],
