@@ -14,7 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-// Part of both radii below which the smallest part of G counts less and less: cables within 26 degrees.
+// Part of both radii below which the smallest part of G counts less and less: cables of one thickness within 26
+// degrees.
 static const double smallest = 0.05;
 
 // Couples move the centrelines too, each time by much less.
@@ -41,9 +42,9 @@ void ancf_lever_prepare(const ancf_table* t, ancf_contact* c) {
     unit(a, t->place[c->side[thick].place].slope);
     unit(b, t->place[c->side[!thick].place].slope);
     ancf_cross(across, a, b);
-    const double sine = ancf_dot(across, across), cosine = ancf_dot(a, b); // the former squared
-    const double apart = sqrt(fmax(0.25 * both * both - r * q * sine, 0.0));
-    const double large = 0.5 * both + apart, small = r * q * sine / large;
+    const double sine2 = ancf_dot(across, across), cosine = ancf_dot(a, b);
+    const double apart = sqrt(fmax(0.25 * both * both - r * q * sine2, 0.0));
+    const double large = 0.5 * both + apart, small = r * q * sine2 / large;
     for (int i = 0; i < 3; i++) e[i] = (r - small) * a[i] + q * cosine * b[i];
     unit(e, ancf_dot(e, e) > 1e-20 * both * both ? e : a);
     ancf_cross(other, across, e);

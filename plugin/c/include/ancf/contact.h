@@ -12,8 +12,9 @@
 // momentum is exact; between two cables it acts at their two centrelines, and couples on their slopes make up for what
 // is between these.
 //
-// In the order of use in a step: ancf_table_clear; add places, bodies, contacts, couplings; ancf_table_prepare;
-// ancf_table_couple, ancf_table_press, ancf_table_rub, ancf_table_couple; ancf_table_apply.
+// In the order of use in a step: ancf_table_clear; add places, bodies, contacts, couplings; ancf_table_prepare,
+// ancf_table_accelerate, ancf_table_guess, ancf_table_couple, ancf_table_substeps, ancf_table_press, ancf_table_rub,
+// ancf_table_couple, ancf_table_apply, ancf_table_owe.
 #ifndef ANCF_CONTACT_H
 #define ANCF_CONTACT_H
 
