@@ -50,12 +50,13 @@ static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const anc
     if (at->gap > ancf_apart_reach(&cover[e[0]], &cover[e[1]], step, opening < 0.0 ? -opening : 0.0)) return 0;
     ancf_contact c = {.key = {e[0], e[1], at->segment}, .law = law->normal, .rub = law->rub};
     c.gap = at->gap - 0.5 * step * opening; // from the middle of the step to its start
-    int (*add_place)(ancf_table*, const ancf_model*, int, double) =
-        law->rub.kind == ANCF_FRICTION_NONE ? ancf_table_add_place : ancf_table_add_slope;
+    const bool rubs = law->rub.kind != ANCF_FRICTION_NONE;
     double x[2][3];
     for (int s = 0; s < 2; ++s) {
-        c.side[s] = (ancf_side) {.place = add_place(table, m, e[s], at->xi[s]), .body = -1};
-        if (c.side[s].place < 0) return -1;
+        const int place =
+            rubs ? ancf_table_add_slope(table, m, e[s], at->xi[s]) : ancf_table_add_place(table, m, e[s], at->xi[s]);
+        if (place < 0) return -1;
+        c.side[s] = (ancf_side) {.place = place, .body = -1};
         c.radius[s] = cover[e[s]].radius;
         ancf_model_at(x[s], m, m->x, e[s], at->xi[s]);
     }

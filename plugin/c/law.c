@@ -36,8 +36,6 @@ static double power(double depth, double exponent) {
     return exponent == 1.5 ? depth * sqrt(depth) : pow(depth, exponent);
 }
 
-static double elastic_exponent(const ancf_normal* law) { return law->kind == ANCF_NORMAL_LINEAR ? 1.0 : law->exponent; }
-
 double ancf_normal_force(const ancf_normal* law, double depth, double rate) {
     if (!(depth > 0.0)) return 0.0;
     double force = 0.0;
@@ -57,14 +55,14 @@ double ancf_normal_force(const ancf_normal* law, double depth, double rate) {
 
 double ancf_normal_tangent(const ancf_normal* law, double depth) {
     if (!(depth > 0.0)) return 0.0;
-    const double n = elastic_exponent(law);
+    const double n = ancf_normal_exponent(law);
     if (n == 1.0) return law->stiffness;
     return law->stiffness * n * (n == 1.5 ? sqrt(depth) : pow(depth, n - 1.0));
 }
 
 double ancf_normal_energy(const ancf_normal* law, double depth) {
     if (!(depth > 0.0)) return 0.0;
-    const double n = elastic_exponent(law);
+    const double n = ancf_normal_exponent(law);
     return law->stiffness * power(depth, n) * depth / (n + 1.0);
 }
 

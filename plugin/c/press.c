@@ -26,7 +26,7 @@ static const double together = 1e-6;
 static double deepest(const ancf_contact* c, double approach) {
     const double now = c->gap < 0.0 ? -c->gap : 0.0;
     if (!(approach > 0.0) || !(c->own > 0.0)) return now;
-    const double n = c->law.kind == ANCF_NORMAL_LINEAR ? 1.0 : c->law.exponent;
+    const double n = ancf_normal_exponent(&c->law);
     const double stored = approach * approach * (n + 1.0) / (2.0 * c->own * c->law.stiffness);
     return pow((now > 0.0 ? pow(now, n + 1.0) : 0.0) + stored, 1.0 / (n + 1.0));
 }
@@ -118,16 +118,15 @@ static double overlapping(double gap, double way) {
 // What a contact answers over a sub-step h with velocity u, if `force` is what moves it. The elastic part is minus the
 // quotient of elastic energy and way (a discrete gradient), so that the length of the sub-steps neither gives nor takes
 // energy; damping acts at the mean velocity. Never pulling.
-static pressing answer_to(const ancf_contact* c, double u, double h, double energy, double force) {
+static pressing answer_to(const ancf_contact* c, double u, double h, double force) {
     const ancf_normal* law = &c->law;
     const double own = 0.5 * h * c->own, way = h * (u + own * force), depth = -(c->gap + way);
     const ancf_normal spring = {law->kind, law->stiffness, law->exponent, 0.0};
     pressing f = {0.0, 0.0, {0.0, 0.0}};
     double rise; // of the elastic force, by the way
     if (fabs(way) > 1e-7 * fabs(c->gap)) {
-        const double n = law->kind == ANCF_NORMAL_LINEAR ? 1.0 : law->exponent;
-        const double end = ancf_normal_force(&spring, depth, 0.0);
-        f.elastic = (energy - (depth > 0.0 ? end * depth / (n + 1.0) : 0.0)) / way;
+        const double end = ancf_normal_force(&spring, depth, 0.0), n = ancf_normal_exponent(law);
+        f.elastic = (c->energy - (depth > 0.0 ? end * depth / (n + 1.0) : 0.0)) / way;
         rise = (end - f.elastic) / way;
     } else {
         f.elastic = ancf_normal_force(&spring, depth + 0.5 * way, 0.0);
@@ -154,7 +153,7 @@ static pressing press_one(const ancf_contact* c, double u, double h, double gues
     double low = 0.0, high = INFINITY, force = guess;
     pressing f;
     for (int i = 0; i < ROUNDS; ++i) {
-        f = answer_to(c, u, h, c->energy, force);
+        f = answer_to(c, u, h, force);
         const double off = f.total - force, more = off / (1.0 - fmin(f.slope[1], 0.0));
         if (fabs(off) <= enough * force) { // the error is of the order of its square
             f.total = force + more;
@@ -165,7 +164,7 @@ static pressing press_one(const ancf_contact* c, double u, double h, double gues
         else high = force;
         force += more;
         if (force > low && force < high) continue;
-        if (high == INFINITY) high = answer_to(c, u, h, c->energy, low).total;
+        if (high == INFINITY) high = answer_to(c, u, h, low).total;
         force = 0.5 * (low + high);
         if (!(force > low && force < high)) break;
     }

@@ -61,28 +61,19 @@ void ancf_predict(ancf_model* m, const ancf_time* time) {
 // forces are what total_force kept less the elastic ones.
 static void note_damping(ancf_model* m) {
     const int n = 3 * m->stride;
-    double *damping = m->work + 2 * n, *elastic = damping + n, *before = elastic + n, *rest = before + n;
+    double *damping = m->work + 2 * n, *elastic = damping + n, *rest = elastic + n;
     if (!m->track) return;
     memset(rest, 0, field_size(m));
-    memcpy(before, m->v, field_size(m));
     ancf_elastic_force(m, elastic, m->x, rest);
     for (int i = 0; i < n; ++i) damping[i] -= elastic[i];
 }
 
-static double half_damping(const ancf_model* m, double kick) {
+// Half a kick's worth of it, at a velocity: that before, or that after they have acted and no contact yet.
+static void track_damping(ancf_model* m, double kick, const double* velocity) {
     const int n = 3 * m->stride;
-    const double *damping = m->work + 2 * n, *before = damping + 2 * n;
-    double work = 0.0;
-    for (int i = 0; i < n; ++i) work -= 0.5 * kick * damping[i] * before[i];
-    return work;
-}
-
-// after: the velocity when they have acted, and no contact yet.
-static void track_damping(ancf_model* m, double kick, const double* after) {
-    const int n = 3 * m->stride;
-    const double *damping = m->work + 2 * n, *before = damping + 2 * n;
+    const double* damping = m->work + 2 * n;
     if (!m->track) return;
-    for (int i = 0; i < n; ++i) m->damping_work -= 0.5 * kick * damping[i] * (before[i] + after[i]);
+    for (int i = 0; i < n; ++i) m->damping_work -= 0.5 * kick * damping[i] * velocity[i];
 }
 
 // Time over which the cable's own forces act in a step [s]: less than the step in the first one.
@@ -104,6 +95,7 @@ static void substep(ancf_model* m, const ancf_time* time) {
         for (int i = 0; i < n; ++i) m->a[i] = 0.0; // what is held moves evenly after the first
         ancf_acceleration(m, m->x, m->v);
         note_damping(m);
+        track_damping(m, step, m->v);
         for (int i = 0; i < n; ++i) {
             m->v[i] += step * m->a[i];
             force[i] += step * m->f[i];
@@ -122,7 +114,8 @@ void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, con
     const int n = 3 * m->stride;
     const double kick = substep_kick(time), step = time->step / time->substeps, whole = ancf_kick(time);
     note_damping(m);
-    if (m->track) m->damping_half = m->damping_work + half_damping(m, kick);
+    track_damping(m, kick, m->v);
+    m->damping_half = m->damping_work;
     if (time->substeps == 1) {
         track_damping(m, kick, m->free);
         if (after != m->free)

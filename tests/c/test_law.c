@@ -278,6 +278,33 @@ static void friction_solve_sticks(void** state) {
     assert_near(ancf_friction_solve(&law, 6.0, 10.0, false), 1.0, 1e-12);
 }
 
+// What slides goes on at the fastest root; where only the sticking one is left, it sticks.
+static void friction_solve_slides_on(void** state) {
+    (void)state;
+    uint64_t seed = 9;
+    int slid = 0, caught = 0;
+    for (int i = 0; i < 4000; i++) {
+        const double v0 = random_magnitude(&seed, 1e-6, 1.0), mu_k = random_between(&seed, 0.0, 0.5),
+                     mu_s = mu_k + random_between(&seed, 0.01, 0.5), beta = v0 * random_magnitude(&seed, 1.0, 1e4);
+        const double speed = v0 + beta * (mu_k + (mu_s - mu_k) * random_between(&seed, 0.0, 1.1));
+        const ancf_friction law = {ANCF_FRICTION_HOLLARS, mu_s, mu_k, v0};
+        const curve c = {mu_s, mu_k, v0, false};
+        const double u = ancf_friction_solve(&law, speed, beta, true),
+                     stuck = ancf_friction_solve(&law, speed, beta, false);
+        assert_near((double)(u + beta * mu_of(&c, u)), speed, 1e-9 * speed);
+        // Beyond the last root friction leaves too much, everywhere.
+        for (int k = 1; k < 200; k++) {
+            const double s = u * (1.0 + 1e-4) + (speed - u) * k / 200.0;
+            if (u > v0 && s < speed) assert_true(s + beta * (double)mu_of(&c, s) > speed);
+            if (u <= v0 && s > v0 && s < speed) assert_true(s + beta * (double)mu_of(&c, s) > speed * (1.0 - 1e-9));
+        }
+        assert_true(u >= stuck);
+        slid += u > v0 && stuck < v0;
+        caught += u < v0;
+    }
+    assert_true(slid > 200 && caught > 200);
+}
+
 // 1 + b D = speed, slope of g at v0 only 1 for any b: the hard case of Newton's method.
 static void friction_solve_at_the_peak(void** state) {
     (void)state;
@@ -352,6 +379,7 @@ int main(void) {
         cmocka_unit_test(coulomb_points),
         cmocka_unit_test(friction_never_drives),
         cmocka_unit_test(friction_solve_finds_smallest_root),
+        cmocka_unit_test(friction_solve_slides_on),
         cmocka_unit_test(friction_solve_sticks),
         cmocka_unit_test(friction_solve_at_the_peak),
         cmocka_unit_test(friction_solve_at_the_ends),

@@ -107,6 +107,34 @@ static void slip_is_conjugate_to_couples(void** state) {
     }
 }
 
+// The response across the normal is the mean of what unit impulses along two tangents do.
+static void response_across_is_that_of_kicks(void** state) {
+    (void)state;
+    uint64_t seed = 85;
+    for (int run = 0; run < 100; ++run) {
+        crossing s = crossing_make(&seed, true);
+        const ancf_contact* c = ancf_table_contact(s.t, run % CONTACTS);
+        const double told = ancf_lever_across(s.t, c);
+        double f[2][3], mean = 0.0;
+        random_direction(f[0], &seed);
+        cross(f[1], c->normal, f[0]);
+        cross(f[0], f[1], c->normal);
+        for (int k = 0; k < 2; ++k) {
+            double before[3], after[3];
+            const double length = norm(f[k]), P[3] = {f[k][0] / length, f[k][1] / length, f[k][2] / length};
+            ancf_table_slip(before, s.t, c);
+            ancf_lever_slip(before, s.t, c);
+            ancf_table_kick(s.t, c, P, 0.0);
+            ancf_lever_kick(s.t, c, P);
+            ancf_table_slip(after, s.t, c);
+            ancf_lever_slip(after, s.t, c);
+            mean += 0.5 * (dot(after, P) - dot(before, P));
+        }
+        assert_close(told, mean, 1e-10);
+        crossing_free(&s);
+    }
+}
+
 // Angular momentum about the origin is kept but for what is told as left; that is nothing where cables cross.
 static void moments_are_kept_or_told(void** state) {
     (void)state;
@@ -242,9 +270,9 @@ static void what_contacts_owe_is_given_back(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(turning_as_one_is_no_slip),       cmocka_unit_test(slip_is_conjugate_to_couples),
-        cmocka_unit_test(moments_are_kept_or_told),        cmocka_unit_test(friction_takes_what_is_lost),
-        cmocka_unit_test(what_contacts_owe_is_given_back),
+        cmocka_unit_test(turning_as_one_is_no_slip),        cmocka_unit_test(slip_is_conjugate_to_couples),
+        cmocka_unit_test(response_across_is_that_of_kicks), cmocka_unit_test(moments_are_kept_or_told),
+        cmocka_unit_test(friction_takes_what_is_lost),      cmocka_unit_test(what_contacts_owe_is_given_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -153,9 +153,10 @@ void ancf_table_couple(ancf_table* table, double rest);
 void ancf_table_apply(ancf_table* table, const ancf_model* m, double step, double* velocity, double* shift);
 
 // Contacts act while accelerations are even, those of the start of the step; leapfrog's energy goes with the mean of
-// those at its start and its end. Takes half their moment by those of the start off what is owed; the next step knows
-// the others and puts theirs on, ancf_owed. What is owed then, contacts give back where they press. even: false if the
-// cable takes sub-steps, which is another sum: nothing is owed.
+// those at its start and at its end. So they do late . (a_end - a_start)/2 too much work. ancf_table_owe books the part
+// of a_start; the next step knows a_end and adds its part by ancf_owed, which gives the `owed` of its contact. Contacts
+// give it back where they press. even: false if the cable takes sub-steps, for which this does not hold: nothing is
+// owed then.
 void ancf_table_owe(ancf_table* table, bool even);
 double ancf_owed(double before, const double late[3], const double changing[3]);
 

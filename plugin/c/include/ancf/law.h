@@ -42,6 +42,11 @@ double ancf_hertz_stiffness(double radius, double young1, double poisson1, doubl
 // Normal force [N], never attractive. depth > 0 [m] where the bodies overlap, rate = d(depth)/dt [m/s].
 double ancf_normal_force(const ancf_normal* law, double depth, double rate);
 
+// Exponent n of the elastic part [-].
+static inline double ancf_normal_exponent(const ancf_normal* law) {
+    return law->kind == ANCF_NORMAL_LINEAR ? 1.0 : law->exponent;
+}
+
 // Slope df/d(depth) of the elastic part [N/m].
 double ancf_normal_tangent(const ancf_normal* law, double depth);
 
