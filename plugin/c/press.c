@@ -71,35 +71,50 @@ static double row_sum(const ancf_table* t, const ancf_contact* c) {
     }
     double bodies = 0.0;
     for (int s = 0; s < 2; ++s)
-        if (c->side[s].body >= 0) bodies = fmax(bodies, t->stiffness[t->n_places + c->side[s].body]);
-    return sum + fmax(c->own - cables, 0.0) * bodies;
+        if (c->side[s].body >= 0) bodies = ancf_larger(bodies, t->stiffness[t->n_places + c->side[s].body]);
+    return sum + ancf_larger(c->own - cables, 0.0) * bodies;
+}
+
+// Whether two sides come together within the step, however their velocity changes in it; *approach is the fastest.
+static bool can_touch(const ancf_table* t, const ancf_contact* c, double step, double* approach) {
+    const double u = along_normal(t, c) - 0.5 * step * fabs(accelerates(t, c));
+    *approach = -u;
+    return c->gap <= 0.0 || c->gap + step * u <= 0.0;
 }
 
 int ancf_table_substeps(ancf_table* t, double step, int* stiffest) {
-    bool any = false;
-    for (int i = 0; i < t->n_places + t->n_bodies; ++i) t->stiffness[i] = 0.0;
-    for (int i = 0; i < t->n_contacts; ++i) {
-        const ancf_contact* c = &t->contact[i];
-        const double u = along_normal(t, c) - 0.5 * step * fabs(accelerates(t, c)); // the least at any time
-        if (c->gap > 0.0 && c->gap + step * u > 0.0) continue;
-        any = true;
-        const double tangent = ancf_normal_tangent(&c->law, deepest(c, -u));
-        for (int s = 0; s < 2; ++s)
-            for (int body = 0; body < 2; ++body) {
-                double* there = stiffness_at(t, &c->side[s], body);
-                if (there) *there += tangent;
-            }
-    }
-    if (!any) return 0;
     double highest = 0.0;
-    for (int i = 0; i < t->n_contacts; ++i) {
-        const double square = row_sum(t, &t->contact[i]);
-        if (!(square > highest)) continue;
-        highest = square;
-        *stiffest = i;
+    int most = 0;
+    for (int i = 0; i < t->n_places + t->n_bodies; ++i) t->stiffness[i] = 0.0;
+    for (int i = 0; i < t->groups.n; ++i) t->groups.group[i].substeps = 0;
+    for (int k = 0; k < t->groups.n; ++k) {
+        ancf_contact_group* g = &t->groups.group[k];
+        const int* contact = t->groups.list[ANCF_CONTACTS];
+        double square = 0.0;
+        for (int i = g->first[ANCF_CONTACTS]; i < g->end[ANCF_CONTACTS]; ++i) {
+            const ancf_contact* c = &t->contact[contact[i]];
+            double approach;
+            if (!can_touch(t, c, step, &approach)) continue;
+            g->substeps = 1;
+            const double tangent = ancf_normal_tangent(&c->law, deepest(c, approach));
+            for (int s = 0; s < 2; ++s)
+                for (int body = 0; body < 2; ++body) {
+                    double* there = stiffness_at(t, &c->side[s], body);
+                    if (there) *there += tangent;
+                }
+        }
+        if (!g->substeps) continue;
+        for (int i = g->first[ANCF_CONTACTS]; i < g->end[ANCF_CONTACTS]; ++i) {
+            square = ancf_larger(square, row_sum(t, &t->contact[contact[i]]));
+            if (!(square > highest)) continue;
+            highest = square;
+            *stiffest = contact[i];
+        }
+        const double wanted = ceil(step * sqrt(square) / substep_frequency);
+        if (wanted > 1.0) g->substeps = (int)fmin(wanted, substeps_largest);
+        if (g->substeps > most) most = g->substeps;
     }
-    const double wanted = ceil(step * sqrt(highest) / substep_frequency);
-    return wanted < 1.0 ? 1 : (int)fmin(wanted, substeps_largest);
+    return t->most = most;
 }
 
 // Normal force of a sub-step.
@@ -139,7 +154,7 @@ static pressing answer_to(const ancf_contact* c, double u, double h, double forc
     // At the mean velocity u + own total.
     const double whole = 1.0 + rate * own;
     f.total = (f.elastic - rate * u) / whole;
-    f.total = fmax(f.total, 0.0);
+    f.total = ancf_larger(f.total, 0.0);
     f.slope[0] = rise * h * own;
     if (f.total > 0.0) f.slope[1] = (1.0 - bends * (u + own * f.total)) / whole * f.slope[0];
     return f;
@@ -171,11 +186,6 @@ static pressing press_one(const ancf_contact* c, double u, double h, double gues
     return f;
 }
 
-static void kick_along(ancf_table* t, const ancf_contact* c, double impulse, double rest) {
-    const double P[3] = {impulse * c->normal[0], impulse * c->normal[1], impulse * c->normal[2]};
-    ancf_table_kick(t, c, P, rest);
-}
-
 // Force beside that of the law, at the mean velocity of a sub-step, so that its work is what is owed, as far as it
 // changes neither the force nor the velocity by more than a part.
 static double repay(const ancf_contact* c, double force, double speed, double h) {
@@ -184,31 +194,121 @@ static double repay(const ancf_contact* c, double force, double speed, double h)
     return fmax(-most, fmin(most, -c->owed / (h * speed)));
 }
 
-// Presses every contact while the others go on as they did in the round before. Returns the largest change of a force,
-// *largest is the largest force. The first round looks at all before any is kicked.
-static double press_round(ancf_table* t, double h, double rest, bool first, double* largest) {
+// Gets a contact ready to be pressed with others in a sub-step.
+static void join(ancf_table* t, int i) {
+    const ancf_contact* c = &t->contact[i];
+    ancf_push* push = &t->push[i];
+    memcpy(push->normal, c->normal, sizeof push->normal);
+    push->pushed = along_normal(t, c) - c->speed;
+    for (int s = 0; s < 2; ++s) {
+        push->body[s] = -1;
+        if (c->side[s].body < 0) continue;
+        ancf_body* b = &t->body[c->side[s].body];
+        if (!ancf_body_moves(b)) continue;
+        push->body[s] = c->side[s].body;
+        double *along = push->along[s], *answer = push->answer[s];
+        for (int k = 0; k < 3; k++) {
+            along[k] = s ? -c->normal[k] : c->normal[k];
+            b->pushed[k] = b->pushed[3 + k] = 0.0;
+        }
+        ancf_cross(along + 3, c->side[s].arm, along);
+        ancf_multiply(answer + 3, b->inv_inertia, along + 3);
+        const double guided = ancf_dot(b->along, along);
+        for (int k = 0; k < 3; k++) answer[k] = b->inv_mass[k] * along[k] + guided * b->along[k];
+    }
+}
+
+// Velocity along the normal that a contact has gained since the sub-step began.
+static double gained(const ancf_table* t, const ancf_push* push) {
+    double sum = push->pushed;
+    for (int s = 0; s < 2; ++s) {
+        if (push->body[s] < 0) continue;
+        const double *v = t->body[push->body[s]].pushed, *along = push->along[s];
+        for (int k = 0; k < 6; k++) sum += along[k] * v[k];
+    }
+    return sum;
+}
+
+// Lets an impulse along the normal of contact i act on all that feel it.
+static void push_along(ancf_table* t, int i, double impulse) {
+    const ancf_push* push = &t->push[i];
+    const ancf_groups* g = &t->groups;
+    for (int k = g->first[i]; k < g->first[i + 1]; ++k) {
+        ancf_push* other = &t->push[g->other[k]];
+        other->pushed += impulse * g->effect[k] * ancf_dot(push->normal, other->normal);
+    }
+    for (int s = 0; s < 2; ++s) {
+        if (push->body[s] < 0) continue;
+        double* v = t->body[push->body[s]].pushed;
+        for (int k = 0; k < 6; k++) v[k] += impulse * push->answer[s][k];
+    }
+}
+
+// One contact's force while what others give it goes on as it is [m/s]. Returns its change.
+static double press_with(ancf_contact* c, double others, double h, double guess) {
+    c->met = others;
+    const pressing f = press_one(c, c->speed + 0.5 * others, h, guess);
+    c->repaid = repay(c, f.total, c->speed + 0.5 * (others + h * c->own * f.total), h);
+    const double before = c->force;
+    c->force = c->before = f.total + c->repaid;
+    c->elastic = f.elastic;
+    return c->force - before;
+}
+
+// Presses every contact of a group while the others go on as they did in the round before. Returns the largest change
+// of a force, *largest is the largest force. The first round looks at all before any is pushed.
+static double press_round(ancf_table* t, const ancf_contact_group* g, double h, bool first, double* largest) {
+    const int* contact = t->groups.list[ANCF_CONTACTS];
     const double little = 0.1 * together * *largest;
     double change = 0.0;
     *largest = 0.0;
-    for (int i = 0; i < t->n_contacts; ++i) {
+    for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
+        const int i = contact[k];
         ancf_contact* c = &t->contact[i];
-        const double others = along_normal(t, c) - c->speed - h * c->own * c->force;
-        *largest = fmax(*largest, c->force);
+        const double others = gained(t, &t->push[i]) - h * c->own * c->force;
+        *largest = ancf_larger(*largest, c->force);
         if (!first && fabs(others - c->met) <= h * c->own * little) continue; // its force would change by less
-        c->met = others;
-        const pressing f = press_one(c, c->speed + 0.5 * others, h, first ? c->before : c->force);
-        c->repaid = repay(c, f.total, c->speed + 0.5 * (others + h * c->own * f.total), h);
-        const double total = f.total + c->repaid, more = total - c->force;
-        change = fmax(change, fabs(more));
-        *largest = fmax(*largest, total);
-        c->force = c->before = total;
-        c->elastic = f.elastic;
-        if (!first && more != 0.0) kick_along(t, c, h * more, rest);
+        const double more = press_with(c, others, h, first ? c->before : c->force);
+        change = ancf_larger(change, fabs(more));
+        *largest = ancf_larger(*largest, c->force);
+        if (!first && more != 0.0) push_along(t, i, h * more);
     }
-    for (int i = 0; first && i < t->n_contacts; ++i)
-        if (t->contact[i].force > 0.0) kick_along(t, &t->contact[i], h * t->contact[i].force, rest);
-    if (t->n_couplings) ancf_table_couple(t, rest);
+    for (int k = g->first[ANCF_CONTACTS]; first && k < g->end[ANCF_CONTACTS]; ++k) {
+        const int i = contact[k];
+        if (t->contact[i].force > 0.0) push_along(t, i, h * t->contact[i].force);
+    }
     return change;
+}
+
+// Gives places and bodies what a contact's force has changed by since the last time.
+static void kick_along(ancf_table* t, ancf_contact* c, double h, double rest) {
+    const double impulse = h * (c->force - c->kicked);
+    c->kicked = c->force;
+    if (impulse == 0.0) return;
+    const double P[3] = {impulse * c->normal[0], impulse * c->normal[1], impulse * c->normal[2]};
+    ancf_table_kick(t, c, P, rest);
+}
+
+// The forces of a group over a sub-step, each the answer to all others.
+static void press_group(ancf_table* t, const ancf_contact_group* g, double h, double rest) {
+    const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
+    const bool couples = t->n_couplings > 0;
+    if (end == first + 1 && !couples) { // alone
+        ancf_contact* c = &t->contact[contact[first]];
+        press_with(c, along_normal(t, c) - c->speed, h, c->before);
+        kick_along(t, c, h, rest);
+        return;
+    }
+    for (int k = first; k < end; ++k) join(t, contact[k]);
+    double largest = 0.0, change = 0.0;
+    for (int round = 0; round < TOGETHER && (round == 0 || change > together * largest); ++round) {
+        change = press_round(t, g, h, round == 0, &largest);
+        if (!couples) continue;
+        for (int k = first; k < end; ++k) kick_along(t, &t->contact[contact[k]], h, rest);
+        ancf_table_couple(t, rest);
+        for (int k = first; k < end; ++k) join(t, contact[k]);
+    }
+    for (int k = first; k < end; ++k) kick_along(t, &t->contact[contact[k]], h, rest);
 }
 
 // Moves the arm of the second side on by a time: its end goes with the first side. Positions go through the whole step
@@ -229,43 +329,55 @@ static void swing(const ancf_table* t, ancf_contact* c, double time, double unti
 
 // h: its length; at: its middle; since: the time from the last one's middle; until: from its start to the step's
 // middle.
-static void substep(ancf_table* t, double h, double at, double rest, double since, double until) {
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
+static void substep(ancf_table* t, const ancf_contact_group* g, double h, double at, double rest, double since, double until) {
+    const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
+    for (int k = first; k < end; ++k) {
+        ancf_contact* c = &t->contact[contact[k]];
         swing(t, c, since, until);
         c->speed = along_normal(t, c);
-        c->force = 0.0;
+        c->force = c->kicked = 0.0;
         c->energy = ancf_normal_energy(&c->law, -c->gap);
     }
-    ancf_table_speed_up(t, h);
-    double largest = 0.0, change = press_round(t, h, rest, true, &largest);
-    for (int i = 1; i < TOGETHER && change > together * largest; ++i) change = press_round(t, h, rest, false, &largest);
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
+    ancf_table_speed_up_group(t, g, h);
+    press_group(t, g, h, rest);
+    for (int k = first; k < end; ++k) {
+        ancf_contact* c = &t->contact[contact[k]];
         const double way = 0.5 * h * (c->speed + along_normal(t, c));
         c->impulse += h * c->force;
-        for (int k = 0; k < 3; k++) c->late[k] += h * c->force * at * c->normal[k];
+        for (int j = 0; j < 3; j++) c->late[j] += h * c->force * at * c->normal[j];
         c->gap += way;
         c->damped -= (c->force - c->repaid - c->elastic) * way;
         c->owed += c->repaid * way;
-        c->depth = fmax(c->depth, -c->gap);
+        c->depth = ancf_larger(c->depth, -c->gap);
+    }
+}
+
+static void press_through(ancf_table* t, const ancf_contact_group* g, double step, int substeps) {
+    const double h = step / (substeps > 0 ? substeps : 1);
+    if (substeps) ancf_table_speed_up_group(t, g, -0.5 * step); // from the middle of the step to its start
+    for (int s = 0; s < substeps; ++s) {
+        const double at = (s + 0.5) * h;
+        substep(t, g, h, at, step - at, s ? h : 0.5 * h, 0.5 * step - s * h);
+    }
+    if (substeps) ancf_table_speed_up_group(t, g, -0.5 * step);
+    for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
+        ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
+        if (substeps == 0) {
+            c->gap += step * along_normal(t, c);
+            continue;
+        }
+        c->energy = ancf_normal_energy(&c->law, -c->gap);
+        memcpy(c->side[1].arm, c->start, sizeof c->start);
+        memcpy(c->normal, c->line, sizeof c->line);
+        ancf_table_going(c->going, t, c);
     }
 }
 
 void ancf_table_press(ancf_table* t, double step, int substeps) {
-    const double h = step / (substeps > 0 ? substeps : 1);
-    if (substeps) ancf_table_speed_up(t, -0.5 * step); // from the middle of the step to its start
-    for (int s = 0; s < substeps; ++s) {
-        const double at = (s + 0.5) * h;
-        substep(t, h, at, step - at, s ? h : 0.5 * h, 0.5 * step - s * h);
-    }
-    if (substeps) ancf_table_speed_up(t, -0.5 * step);
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
-        c->energy = ancf_normal_energy(&c->law, -c->gap);
-        if (substeps == 0) c->gap += step * along_normal(t, c);
-        memcpy(c->side[1].arm, c->start, sizeof c->start);
-        memcpy(c->normal, c->line, sizeof c->line);
-        ancf_table_going(c->going, t, c);
+    for (int k = 0; k < t->groups.n; ++k) {
+        const ancf_contact_group* g = &t->groups.group[k];
+        int n = substeps;
+        if (t->most > 0) n = (int)ceil((double)g->substeps * substeps / t->most);
+        press_through(t, g, step, n);
     }
 }

@@ -39,6 +39,8 @@ void ancf_table_destroy(ancf_table* t) {
     free(t->stiffness);
     free(t->scratch);
     free(t->slip);
+    free(t->push);
+    ancf_groups_free(&t->groups);
     free(t);
 }
 
@@ -47,8 +49,7 @@ void ancf_table_clear(ancf_table* t) {
     t->slopes = false;
 }
 
-// Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
-static bool reserve(void** items, int* room, int n, size_t size) {
+bool ancf_reserve(void** items, int* room, int n, size_t size) {
     if (n <= *room) return true;
     const int wanted = n > *room + *room / 2 ? n : *room + *room / 2;
     void* grown = realloc(*items, (size_t)wanted * size);
@@ -59,7 +60,7 @@ static bool reserve(void** items, int* room, int n, size_t size) {
 }
 
 static int add(void** items, int* n, int* room, const void* item, size_t size) {
-    if (!reserve(items, room, *n + 1 < 16 ? 16 : *n + 1, size)) return -1;
+    if (!ancf_reserve(items, room, *n + 1 < 16 ? 16 : *n + 1, size)) return -1;
     memcpy((char*)*items + (size_t)*n * size, item, size);
     return (*n)++;
 }
@@ -151,18 +152,19 @@ static int find_effects(ancf_table* t, int i) {
 
 static bool make_room(ancf_table* t) {
     const int n = t->n_places;
-    return reserve((void**)&t->first, &t->room_first, n + 1, sizeof *t->first) &&
-           reserve((void**)&t->next, &t->room_next, 4 * n, sizeof *t->next) &&
-           reserve((void**)&t->stiffness, &t->room_stiffness, n + t->n_bodies, sizeof *t->stiffness) &&
-           reserve((void**)&t->scratch, &t->room_scratch, 4 * t->n_couplings, sizeof *t->scratch) &&
-           reserve((void**)&t->slip, &t->room_slip, t->n_contacts, sizeof *t->slip);
+    return ancf_reserve((void**)&t->first, &t->room_first, n + 1, sizeof *t->first) &&
+           ancf_reserve((void**)&t->next, &t->room_next, 4 * n, sizeof *t->next) &&
+           ancf_reserve((void**)&t->stiffness, &t->room_stiffness, n + t->n_bodies, sizeof *t->stiffness) &&
+           ancf_reserve((void**)&t->scratch, &t->room_scratch, 4 * t->n_couplings, sizeof *t->scratch) &&
+           ancf_reserve((void**)&t->push, &t->room_push, t->n_contacts, sizeof *t->push) &&
+           ancf_reserve((void**)&t->slip, &t->room_slip, t->n_contacts, sizeof *t->slip);
 }
 
 static bool make_sums(ancf_table* t) {
     if (t->n_places <= t->room_sum) return true;
     int room = t->room_sum;
-    if (!reserve((void**)&t->touched, &room, t->n_places, sizeof *t->touched) ||
-        !reserve((void**)&t->sum, &t->room_sum, t->n_places, sizeof *t->sum))
+    if (!ancf_reserve((void**)&t->touched, &room, t->n_places, sizeof *t->touched) ||
+        !ancf_reserve((void**)&t->sum, &t->room_sum, t->n_places, sizeof *t->sum))
         return false;
     memset(t->sum, 0, (size_t)t->room_sum * sizeof *t->sum);
     return true;
@@ -175,9 +177,9 @@ static ancf_error make_effects(ancf_table* t) {
     for (int i = 0; i < t->n_places; ++i) {
         const int n = find_effects(t, i);
         int room[2] = {t->room_effect, t->room_effect};
-        if (!reserve((void**)&t->other, &room[0], count + n, sizeof *t->other) ||
-            !reserve((void**)&t->bend, &room[1], count + n, sizeof *t->bend) ||
-            !reserve((void**)&t->effect, &t->room_effect, count + n, sizeof *t->effect)) {
+        if (!ancf_reserve((void**)&t->other, &room[0], count + n, sizeof *t->other) ||
+            !ancf_reserve((void**)&t->bend, &room[1], count + n, sizeof *t->bend) ||
+            !ancf_reserve((void**)&t->effect, &t->room_effect, count + n, sizeof *t->effect)) {
             for (int k = 0; k < n; ++k) t->sum[t->touched[k]] = (ancf_effects) {0};
             return ANCF_E_MEMORY;
         }
@@ -227,6 +229,8 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
     const ancf_error error = make_effects(t);
     forget_uses(t);
     if (error) return error;
+    if (!ancf_groups_make(&t->groups, t)) return ANCF_E_MEMORY;
+    t->most = -1;
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         c->own = ancf_table_compliance(t, c, c->normal);
@@ -255,17 +259,31 @@ void ancf_table_accelerate(ancf_table* t, const ancf_model* m, const double* acc
     }
 }
 
+static void speed_up_place(ancf_place* p, double time) {
+    for (int c = 0; c < 3; c++) {
+        p->velocity[c] += time * p->acceleration[c];
+        p->bending[c] += time * p->bends[c];
+    }
+}
+
+static void speed_up_body(ancf_body* b, double time) {
+    for (int c = 0; c < 3; c++) {
+        b->velocity[c] += time * b->acceleration[c];
+        b->spin[c] += time * b->turning[c];
+    }
+}
+
 void ancf_table_speed_up(ancf_table* t, double time) {
-    for (int i = 0; i < t->n_places; ++i)
-        for (int c = 0; c < 3; c++) {
-            t->place[i].velocity[c] += time * t->place[i].acceleration[c];
-            t->place[i].bending[c] += time * t->place[i].bends[c];
-        }
-    for (int i = 0; i < t->n_bodies; ++i)
-        for (int c = 0; c < 3; c++) {
-            t->body[i].velocity[c] += time * t->body[i].acceleration[c];
-            t->body[i].spin[c] += time * t->body[i].turning[c];
-        }
+    for (int i = 0; i < t->n_places; ++i) speed_up_place(&t->place[i], time);
+    for (int i = 0; i < t->n_bodies; ++i) speed_up_body(&t->body[i], time);
+}
+
+void ancf_table_speed_up_group(ancf_table* t, const ancf_contact_group* group, double time) {
+    const int *places = t->groups.list[ANCF_PLACES], *bodies = t->groups.list[ANCF_BODIES];
+    for (int i = group->first[ANCF_PLACES]; i < group->end[ANCF_PLACES]; ++i)
+        speed_up_place(&t->place[places[i]], time);
+    for (int i = group->first[ANCF_BODIES]; i < group->end[ANCF_BODIES]; ++i)
+        speed_up_body(&t->body[bodies[i]], time);
 }
 
 void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest) {
@@ -335,6 +353,17 @@ void ancf_table_slip(double v[3], const ancf_table* t, const ancf_contact* c) {
             for (int i = 0; i < 3; i++) v[i] += sign * u[i];
         }
     }
+}
+
+static bool nonzero(const double* v, int n) {
+    for (int i = 0; i < n; ++i)
+        if (v[i] != 0.0) return true;
+    return false;
+}
+
+bool ancf_body_moves(const ancf_body* b) {
+    return nonzero(b->inv_mass, 3) || nonzero(b->inv_inertia, 9) || nonzero(b->along, 3) ||
+           nonzero(b->acceleration, 3) || nonzero(b->turning, 3);
 }
 
 static const double still[3] = {0.0, 0.0, 0.0}; // a side that is neither a place nor a body
@@ -413,16 +442,14 @@ void ancf_table_owe(ancf_table* t, bool even) {
     }
 }
 
-static bool any(const double v[3]) { return v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0; }
-
 void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
     ancf_lever_balance(t, step);
     for (int i = 0; i < t->n_contacts; ++i) twist_late(t, &t->contact[i]);
     for (int i = 0; i < t->n_places; ++i) {
         const ancf_place* p = &t->place[i];
         const double *J = p->impulse, *K = p->moment, *C = p->couple;
-        const bool bent = any(C);
-        if (!bent && !any(J)) continue;
+        const bool bent = nonzero(C, 3);
+        if (!bent && !nonzero(J, 3)) continue;
         for (int k = 0; k < p->response->n; ++k) {
             const double dv = answer(p, p->S, k), du = bent ? answer(p, p->T, k) : 0.0;
             const int dof = p->response->dof[k];

@@ -3,6 +3,7 @@
 #define ANCF_TABLE_H
 
 #include "ancf/contact.h"
+#include "groups.h"
 
 // Velocity of the other's slope by an impulse, of the other by an impulse on the slope, and of slope by slope [1/kg].
 typedef struct {
@@ -13,6 +14,15 @@ typedef struct {
     double effect;
     ancf_bend bend;
 } ancf_effects;
+
+// One contact among others in a sub-step. Signs are those of an impulse along the normal.
+typedef struct {
+    double pushed;             // velocity along the normal since the sub-step began, but by bodies [m/s]
+    double normal[3];
+    int body[2];               // that move, or -1
+    double along[2][6];        // velocity along the normal by their velocity and spin [-], [m]
+    double answer[2][6];       // velocity and spin by a unit impulse [1/kg], [1/(kg m)]
+} ancf_push;
 
 struct ancf_table {
     ancf_responses* responses;
@@ -38,6 +48,10 @@ struct ancf_table {
     int room_sum;
     double* stiffness; // (n_places + n_bodies) of the contacts there [N/m]
     int room_stiffness;
+    ancf_groups groups;
+    ancf_push* push; // (n_contacts)
+    int room_push;
+    int most;                // sub-steps of the group that needs most; -1: not asked
     double (*scratch)[3]; // (4 n_couplings) for conjugate gradients
     int room_scratch;
     double (*slip)[3]; // (n_contacts) before friction [m/s]
@@ -64,6 +78,11 @@ static inline void ancf_body_velocity(double v[3], const ancf_body* b, const dou
     for (int i = 0; i < 3; i++) v[i] += b->velocity[i];
 }
 
+static inline double ancf_larger(double a, double b) { return a > b ? a : b; }
+
+// Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
+bool ancf_reserve(void** items, int* room, int n, size_t size);
+
 // Gives an impulse to a place or to a body's point, `rest` before the end of the step.
 void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest);
 void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3]); // at the start of the step
@@ -72,8 +91,12 @@ void ancf_table_kick_body(ancf_table* t, int body, const double arm[3], const do
 // And to both sides of a contact.
 void ancf_table_kick(ancf_table* t, const ancf_contact* c, const double impulse[3], double rest);
 
+// Whether it does in the step: one that stands still ties no contacts together.
+bool ancf_body_moves(const ancf_body* b);
+
 // Lets the accelerations of places and bodies act for a time.
 void ancf_table_speed_up(ancf_table* t, double time);
+void ancf_table_speed_up_group(ancf_table* t, const ancf_contact_group* group, double time);
 
 // Velocity of the first side's place or body against the second side's [m/s], and its acceleration without what is in
 // the table [m/s2].

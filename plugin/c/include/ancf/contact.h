@@ -50,6 +50,7 @@ typedef struct {
     double inv_inertia[9];              // world axes, row by row; 0 where it cannot turn [1/(kg m2)]
     double along[3];             // direction of a straight guide over the root of the mass on it; 0: none [1/sqrt(kg)]
     double impulse[3], twist[3]; // on it in this step, the latter about `position` [N s], [N m s]
+    double pushed[6];            // scratch: velocity and spin since a sub-step began [m/s], [rad/s]
     double shift[3], turn[3];    // how far they move and turn it by the end of the step [m], [rad]
 } ancf_body;
 
@@ -76,6 +77,7 @@ typedef struct {
     double impulse;        // of the normal force in this step, >= 0 [N s]
     double depth;          // deepest penetration in this step [m]
     double force, before;  // normal force of a sub-step, and the last that was found [N]
+    double kicked;         // part of `force` that has moved what it acts on [N]
     double energy;         // elastic energy at the start of a sub-step, in the end of the step [J]
     double damped;         // taken out by its damping in this step [J]
     double rubbed;         // and by its friction [J]
@@ -131,12 +133,14 @@ ancf_error ancf_table_prepare(ancf_table* table, const ancf_model* m, const doub
 void ancf_table_accelerate(ancf_table* table, const ancf_model* m, const double* acceleration);
 
 // Sub-steps that the normal forces need in a step [s], and the contact that needs most; 0: nothing can touch in it.
+// Contacts that do not feel these may need fewer.
 int ancf_table_substeps(ancf_table* table, double step, int* stiffest);
 
 // Lets the first guess of friction act, evenly through the step, so that normal forces feel it; optional.
 void ancf_table_guess(ancf_table* table, double step);
 
-// The normal forces through a step, in `substeps` (0: gaps alone go on). Couplings are kept in each.
+// The normal forces through a step, in `substeps` (0: gaps alone go on), or as many times more or fewer of what each
+// needs. Couplings are kept in each.
 void ancf_table_press(ancf_table* table, double step, int substeps);
 
 // Friction of all contacts that pressed, at the velocity after it. Returns the number of sweeps; *left is the largest

@@ -1,0 +1,39 @@
+// Which contacts of a table act on one another within a step, and how.
+#ifndef ANCF_GROUPS_H
+#define ANCF_GROUPS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct ancf_table;
+
+enum { ANCF_CONTACTS, ANCF_PLACES, ANCF_BODIES, ANCF_ITEMS };
+
+// What feels one another: of each kind of item the entries first .. end - 1 of its list.
+typedef struct {
+    int first[ANCF_ITEMS], end[ANCF_ITEMS];
+    int substeps; // that its normal forces need
+} ancf_contact_group;
+
+typedef struct {
+    int n;
+    ancf_contact_group* group;
+    int* list[ANCF_ITEMS]; // numbers of the table, group by group
+    // Velocity of contact other[k] by a unit impulse on contact i, through cables, for k in first[i] .. first[i + 1],
+    // itself among them [1/kg].
+    int *first, *other;
+    double* effect;
+    int *root, *number;                                                     // (places, then bodies): scratch, group
+    int *head, *next;                                                       // sides of contacts at a place
+    double* sum;                                                            // (contacts)
+    int* touched;                                                           // (contacts)
+    int room_group, room_list[ANCF_ITEMS], room_first, room_other, room_effect; // sizes of the arrays
+    int room_root, room_number, room_head, room_next, room_sum, room_touched;
+} ancf_groups;
+
+void ancf_groups_free(ancf_groups* groups);
+
+// False: out of memory.
+bool ancf_groups_make(ancf_groups* groups, const struct ancf_table* table);
+
+#endif
