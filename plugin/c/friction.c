@@ -125,7 +125,7 @@ void ancf_table_guess(ancf_table* t, double step) {
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         slip_of(now, t, c);
-        c->rubbed = -step * ancf_dot(c->guess, now);
+        c->rubbed -= step * ancf_dot(c->guess, now);
         for (int k = 0; k < 3; k++) t->slip[i][k] += now[k];
     }
     ancf_table_speed_up(t, 0.5 * step);

@@ -81,7 +81,7 @@ static bool allocate(ancf_model* m) {
     m->at = calloc(2 * e, sizeof *m->at);
     m->inv_length = calloc(4 * e, sizeof *m->inv_length);
     m->weight = calloc((size_t)m->stride, sizeof *m->weight);
-    m->external = calloc(6 * field, sizeof *m->external);
+    m->external = calloc(5 * field, sizeof *m->external);
     m->scratch = calloc(9 * e, sizeof *m->scratch);
     m->work = calloc(6 * field, sizeof *m->work);
     if (!m->element || !m->ends || !m->next || !m->hold || !m->shared || !m->is_held || !m->group || !m->first ||
@@ -93,8 +93,7 @@ static bool allocate(ancf_model* m) {
     m->held = m->external + field;
     m->f = m->held + field;
     m->a = m->f + field;
-    m->kick = m->a + field;
-    m->free = m->kick + field;
+    m->free = m->a + field;
     return true;
 }
 

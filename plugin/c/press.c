@@ -31,12 +31,6 @@ static double deepest(const ancf_contact* c, double approach) {
     return pow((now > 0.0 ? pow(now, n + 1.0) : 0.0) + stored, 1.0 / (n + 1.0));
 }
 
-static double along_normal(const ancf_table* t, const ancf_contact* c) {
-    double v[3];
-    ancf_table_slip(v, t, c);
-    return ancf_dot(v, c->normal);
-}
-
 // Relative acceleration along the normal, without what is in the table [m/s2].
 static double accelerates(const ancf_table* t, const ancf_contact* c) {
     double sum = 0.0;
@@ -77,7 +71,7 @@ static double row_sum(const ancf_table* t, const ancf_contact* c) {
 
 // Whether two sides come together within the step, however their velocity changes in it; *approach is the fastest.
 static bool can_touch(const ancf_table* t, const ancf_contact* c, double step, double* approach) {
-    const double u = along_normal(t, c) - 0.5 * step * fabs(accelerates(t, c));
+    const double u = ancf_table_opening(t, c) - 0.5 * step * fabs(accelerates(t, c));
     *approach = -u;
     return c->gap <= 0.0 || c->gap + step * u <= 0.0;
 }
@@ -199,7 +193,7 @@ static void join(ancf_table* t, int i) {
     const ancf_contact* c = &t->contact[i];
     ancf_push* push = &t->push[i];
     memcpy(push->normal, c->normal, sizeof push->normal);
-    push->pushed = along_normal(t, c) - c->speed;
+    push->pushed = ancf_table_opening(t, c) - c->speed;
     for (int s = 0; s < 2; ++s) {
         push->body[s] = -1;
         if (c->side[s].body < 0) continue;
@@ -295,7 +289,7 @@ static void press_group(ancf_table* t, const ancf_contact_group* g, double h, do
     const bool couples = t->n_couplings > 0;
     if (end == first + 1 && !couples) { // alone
         ancf_contact* c = &t->contact[contact[first]];
-        press_with(c, along_normal(t, c) - c->speed, h, c->before);
+        press_with(c, ancf_table_opening(t, c) - c->speed, h, c->before);
         kick_along(t, c, h, rest);
         return;
     }
@@ -334,7 +328,7 @@ static void substep(ancf_table* t, const ancf_contact_group* g, double h, double
     for (int k = first; k < end; ++k) {
         ancf_contact* c = &t->contact[contact[k]];
         swing(t, c, since, until);
-        c->speed = along_normal(t, c);
+        c->speed = ancf_table_opening(t, c);
         c->force = c->kicked = 0.0;
         c->energy = ancf_normal_energy(&c->law, -c->gap);
     }
@@ -342,7 +336,7 @@ static void substep(ancf_table* t, const ancf_contact_group* g, double h, double
     press_group(t, g, h, rest);
     for (int k = first; k < end; ++k) {
         ancf_contact* c = &t->contact[contact[k]];
-        const double way = 0.5 * h * (c->speed + along_normal(t, c));
+        const double way = 0.5 * h * (c->speed + ancf_table_opening(t, c));
         c->impulse += h * c->force;
         for (int j = 0; j < 3; j++) c->late[j] += h * c->force * at * c->normal[j];
         c->gap += way;
@@ -362,13 +356,11 @@ static void press_through(ancf_table* t, const ancf_contact_group* g, double ste
     if (substeps) ancf_table_speed_up_group(t, g, -0.5 * step);
     for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
         ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
-        if (substeps == 0) {
-            c->gap += step * along_normal(t, c);
-            continue;
-        }
-        c->energy = ancf_normal_energy(&c->law, -c->gap);
         memcpy(c->side[1].arm, c->start, sizeof c->start);
         memcpy(c->normal, c->line, sizeof c->line);
+        c->speed = ancf_table_opening(t, c);
+        if (substeps == 0) c->gap += step * c->speed;
+        c->energy = ancf_normal_energy(&c->law, -c->gap);
         ancf_table_going(c->going, t, c);
     }
 }

@@ -28,8 +28,6 @@ void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
     ancf_mass_solve(m, m->a, m->f);
 }
 
-static double substep_kick(const ancf_time* time) { return 0.5 * (time->last_substep + time->step / time->substeps); }
-
 // Acceleration that brings what is held to its given velocity within a kick.
 static void accelerate_held(ancf_model* m, double kick) {
     for (int k = 0; k < m->n_held; ++k)
@@ -49,11 +47,11 @@ static void set_held(const ancf_model* m, double* v) {
 }
 
 void ancf_predict(ancf_model* m, const ancf_time* time) {
-    const double kick = substep_kick(time), step = time->step / time->substeps;
+    const double kick = ancf_kick(time);
     accelerate_held(m, kick);
     total_force(m, m->x, m->v);
     ancf_mass_solve(m, m->a, m->f);
-    add_scaled(m->free, m->v, kick + 0.5 * (time->step - step), m->a, 3 * m->stride);
+    add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
     set_held(m, m->free);
 }
 
@@ -76,63 +74,18 @@ static void track_damping(ancf_model* m, double kick, const double* velocity) {
     for (int i = 0; i < n; ++i) m->damping_work -= 0.5 * kick * damping[i] * velocity[i];
 }
 
-// Time over which the cable's own forces act in a step [s]: less than the step in the first one.
-static double acting_time(const ancf_time* time) {
-    return substep_kick(time) + time->step - time->step / time->substeps;
-}
-
-// The sub-steps after the first, and the means of force and acceleration over the whole step.
-static void substep(ancf_model* m, const ancf_time* time) {
-    const int n = 3 * m->stride;
-    const double step = time->step / time->substeps, kick = substep_kick(time), whole = ancf_kick(time);
-    const double acting = acting_time(time);
-    double *force = m->work, *acceleration = m->work + n;
-    for (int i = 0; i < n; ++i) {
-        force[i] = kick * m->f[i];
-        acceleration[i] = kick * m->a[i] + whole * m->kick[i];
-    }
-    for (int s = 1; s < time->substeps; ++s) {
-        for (int i = 0; i < n; ++i) m->a[i] = 0.0; // what is held moves evenly after the first
-        ancf_acceleration(m, m->x, m->v);
-        note_damping(m);
-        track_damping(m, step, m->v);
-        for (int i = 0; i < n; ++i) {
-            m->v[i] += step * m->a[i];
-            force[i] += step * m->f[i];
-            acceleration[i] += step * m->a[i];
-        }
-        track_damping(m, step, m->v);
-        add_scaled(m->x, m->x, step, m->v, n);
-    }
-    for (int i = 0; i < n; ++i) {
-        m->f[i] = force[i] / acting;
-        m->a[i] = acceleration[i] / acting;
-    }
-}
-
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift) {
     const int n = 3 * m->stride;
-    const double kick = substep_kick(time), step = time->step / time->substeps, whole = ancf_kick(time);
+    const double kick = ancf_kick(time);
     note_damping(m);
     track_damping(m, kick, m->v);
     m->damping_half = m->damping_work;
-    if (time->substeps == 1) {
-        track_damping(m, kick, m->free);
-        if (after != m->free)
-            for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / whole;
-        memcpy(m->v, after, field_size(m));
-    } else {
-        for (int i = 0; i < n; ++i) m->v[i] += kick * m->a[i];
-        track_damping(m, kick, m->v);
-        for (int i = 0; i < n; ++i) {
-            m->kick[i] = (after[i] - m->free[i]) / whole;
-            m->v[i] += whole * m->kick[i];
-        }
-        set_held(m, m->v);
-    }
-    add_scaled(m->x, m->x, step, m->v, n);
+    track_damping(m, kick, m->free);
+    if (after != m->free)
+        for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / kick;
+    memcpy(m->v, after, field_size(m));
+    add_scaled(m->x, m->x, time->step, m->v, n);
     if (shift) add_scaled(m->x, m->x, 1.0, shift, n);
-    if (time->substeps > 1) substep(m, time);
 }
 
 void ancf_rk4(ancf_model* m, double step) {
@@ -163,8 +116,6 @@ void ancf_rk4(ancf_model* m, double step) {
         m->a[i] = dv[i];
     }
 }
-
-double ancf_acting(const ancf_time* time) { return acting_time(time); }
 
 void ancf_reaction(double force[3], const ancf_model* m, int dof) {
     for (int c = 0; c < 3; ++c) force[c] = -m->f[c * m->stride + dof];

@@ -4,6 +4,7 @@
 #include "internal.h"
 #include "lever.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -101,7 +102,11 @@ int ancf_table_add_body(ancf_table* t, const ancf_body* body) {
     const int i = add((void**)&t->body, &t->n_bodies, &t->room_bodies, body, sizeof *body);
     if (i < 0) return i;
     ancf_body* b = &t->body[i];
-    for (int c = 0; c < 3; c++) b->impulse[c] = b->twist[c] = b->shift[c] = b->turn[c] = 0.0;
+    for (int c = 0; c < 3; c++) {
+        b->impulse[c] = b->twist[c] = b->shift[c] = b->turn[c] = b->moved[c] = b->turned[c] = 0.0;
+        b->given[c] = b->acceleration[c];
+        b->given[3 + c] = b->turning[c];
+    }
     return i;
 }
 
@@ -214,16 +219,38 @@ static void forget_uses(ancf_table* t) {
         for (int k = 0; k < 4; ++k) t->head[t->place[i].dof[k]] = -1;
 }
 
+static void start_place(ancf_table* t, ancf_place* p, const ancf_model* m, const double* velocity) {
+    value_of(p->velocity, p->dof, p->S, m, velocity);
+    if (t->slopes) value_of(p->bending, p->dof, p->T, m, velocity);
+    for (int c = 0; c < 3; c++)
+        p->impulse[c] = p->couple[c] = p->moment[c] = p->acceleration[c] = p->bends[c] = 0.0;
+}
+
+static void start_body(ancf_body* b) {
+    for (int c = 0; c < 3; c++) {
+        b->before[c] = b->velocity[c];
+        b->before[3 + c] = b->spin[c];
+        b->acceleration[c] = b->given[c];
+        b->turning[c] = b->given[3 + c];
+        b->shift[c] = b->turn[c] = 0.0;
+    }
+}
+
+static void start_contact(ancf_table* t, ancf_contact* c) {
+    c->own = ancf_table_compliance(t, c, c->normal);
+    c->impulse = c->force = c->energy = 0.0;
+    memcpy(c->start, c->side[1].arm, sizeof c->start);
+    memcpy(c->line, c->normal, sizeof c->line);
+    for (int k = 0; k < 3; k++) c->guess[k] = c->late[k] = c->balanced[k] = 0.0;
+    if (ancf_lever_has(c)) ancf_lever_prepare(t, c);
+}
+
 ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* velocity) {
     if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
     t->guessed = false;
     for (int i = 0; i < t->n_places; ++i) {
-        ancf_place* p = &t->place[i];
-        p->compliance = 0.0;
-        value_of(p->velocity, p->dof, p->S, m, velocity);
-        if (t->slopes) value_of(p->bending, p->dof, p->T, m, velocity);
-        for (int c = 0; c < 3; c++)
-            p->impulse[c] = p->couple[c] = p->moment[c] = p->acceleration[c] = p->bends[c] = 0.0;
+        t->place[i].compliance = 0.0;
+        start_place(t, &t->place[i], m, velocity);
     }
     list_uses(t);
     const ancf_error error = make_effects(t);
@@ -231,18 +258,25 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
     if (error) return error;
     if (!ancf_groups_make(&t->groups, t)) return ANCF_E_MEMORY;
     t->most = -1;
+    for (int i = 0; i < t->n_bodies; ++i) start_body(&t->body[i]);
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
-        c->own = ancf_table_compliance(t, c, c->normal);
-        c->impulse = c->force = c->before = c->repaid = c->energy = c->damped = c->rubbed = 0.0;
-        memcpy(c->start, c->side[1].arm, sizeof c->start);
-        memcpy(c->line, c->normal, sizeof c->line);
-        for (int k = 0; k < 3; k++) c->guess[k] = c->late[k] = c->balanced[k] = c->changing[k] = 0.0;
+        start_contact(t, c);
+        c->before = c->repaid = c->damped = c->rubbed = 0.0;
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
-        if (ancf_lever_has(c)) ancf_lever_prepare(t, c);
+        for (int k = 0; k < 3; k++) c->pressed[k] = c->dragged[k] = c->changing[k] = 0.0;
     }
     t->left[0] = t->left[1] = t->left[2] = 0.0;
     return ANCF_OK;
+}
+
+// Difference of the places' accelerations; of bodies they change less.
+static void changing_of(double a[3], const ancf_table* t, const ancf_contact* c) {
+    for (int k = 0; k < 3; k++) {
+        a[k] = 0.0;
+        for (int s = 0; s < 2; ++s)
+            if (c->side[s].place >= 0) a[k] += (s ? -1.0 : 1.0) * t->place[c->side[s].place].acceleration[k];
+    }
 }
 
 void ancf_table_accelerate(ancf_table* t, const ancf_model* m, const double* acceleration) {
@@ -251,12 +285,7 @@ void ancf_table_accelerate(ancf_table* t, const ancf_model* m, const double* acc
         value_of(p->acceleration, p->dof, p->S, m, acceleration);
         if (t->slopes) value_of(p->bends, p->dof, p->T, m, acceleration);
     }
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
-        for (int s = 0; s < 2; ++s)
-            for (int k = 0; k < 3 && c->side[s].place >= 0; k++)
-                c->changing[k] += (s ? -1.0 : 1.0) * t->place[c->side[s].place].acceleration[k];
-    }
+    for (int i = 0; i < t->n_contacts; ++i) changing_of(t->contact[i].changing, t, &t->contact[i]);
 }
 
 static void speed_up_place(ancf_place* p, double time) {
@@ -368,6 +397,12 @@ bool ancf_body_moves(const ancf_body* b) {
 
 static const double still[3] = {0.0, 0.0, 0.0}; // a side that is neither a place nor a body
 
+double ancf_table_opening(const ancf_table* t, const ancf_contact* c) {
+    double v[3];
+    ancf_table_slip(v, t, c);
+    return ancf_dot(v, c->normal);
+}
+
 static const double* velocity_at(const ancf_table* t, const ancf_side* side) {
     if (side->place >= 0) return t->place[side->place].velocity;
     return side->body >= 0 ? t->body[side->body].velocity : still;
@@ -415,6 +450,87 @@ double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const d
     return w > 0.0 ? w : 0.0;
 }
 
+void ancf_table_end(ancf_table* t, double step, double passed) {
+    for (int i = 0; i < t->n_bodies; ++i) {
+        ancf_body* b = &t->body[i];
+        for (int c = 0; c < 3; c++) {
+            b->moved[c] += step * (b->before[c] - passed * b->given[c]) + b->shift[c];
+            b->turned[c] += step * (b->before[3 + c] - passed * b->given[3 + c]) + b->turn[c];
+        }
+    }
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        c->owed -= 0.5 * ancf_dot(c->late, c->changing);
+        for (int k = 0; k < 3; k++) {
+            c->pressed[k] += c->impulse * c->normal[k];
+            c->dragged[k] += step * c->friction[k];
+        }
+    }
+}
+
+// Arm of a side's body, or of the second of two cables, from its position to a point.
+static void set_arm(const ancf_table* t, ancf_side* side, const double at[3], const double place[3]) {
+    for (int k = 0; k < 3; k++) {
+        double from = place[k];
+        if (side->place < 0 && side->body >= 0) from = t->body[side->body].position[k] + t->body[side->body].moved[k];
+        side->arm[k] = at[k] - from;
+    }
+}
+
+// Where a contact's sides are now, and the gap: friction, which came last, has moved them, too.
+static void follow(ancf_table* t, ancf_contact* c, const ancf_model* m, double step) {
+    double place[2][3] = {{0.0}}, at[3];
+    c->gap += step * (ancf_table_opening(t, c) - c->speed);
+    for (int s = 0; s < 2; ++s) {
+        if (c->side[s].place < 0) continue;
+        const ancf_place* p = &t->place[c->side[s].place];
+        value_of(place[s], p->dof, p->S, m, m->x);
+    }
+    const ancf_side* first = &c->side[0];
+    for (int k = 0; k < 3; k++) {
+        at[k] = place[0][k];
+        if (first->body < 0) continue;
+        at[k] += first->arm[k];
+        if (first->place < 0) at[k] += t->body[first->body].position[k] + t->body[first->body].moved[k];
+    }
+    set_arm(t, &c->side[1], at, place[1]);
+}
+
+// Two cables: the normal is along the line between them in the middle of the step.
+static void turn_normal(const ancf_table* t, ancf_contact* c, double step) {
+    double way[3];
+    if (!(c->radius[0] > 0.0)) return;
+    for (int k = 0; k < 3; k++)
+        way[k] = c->side[1].arm[k] + 0.5 * step * (t->place[c->side[0].place].velocity[k] -
+                                                   t->place[c->side[1].place].velocity[k]);
+    const double along = ancf_dot(way, c->normal), size = copysign(sqrt(ancf_dot(way, way)), along);
+    for (int k = 0; k < 3 && along != 0.0; k++) c->normal[k] = way[k] / size;
+}
+
+void ancf_table_go_on(ancf_table* t, const ancf_model* m, const double* velocity, double step) {
+    t->guessed = false;
+    for (int i = 0; i < t->n_contacts; ++i) follow(t, &t->contact[i], m, step);
+    for (int i = 0; i < t->n_places; ++i) {
+        ancf_place* p = &t->place[i];
+        start_place(t, p, m, velocity);
+        if (t->slopes) value_of(p->slope, p->dof, p->T, m, m->x);
+    }
+    for (int i = 0; i < t->n_bodies; ++i) {
+        for (int c = 0; c < 3; c++) {
+            t->body[i].velocity[c] += step * t->body[i].given[c];
+            t->body[i].spin[c] += step * t->body[i].given[3 + c];
+        }
+        start_body(&t->body[i]);
+    }
+    ancf_table_accelerate(t, m, m->a);
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        c->owed = ancf_owed(c->owed, c->late, c->changing);
+        turn_normal(t, c, step);
+        start_contact(t, c);
+    }
+}
+
 // Friction came after the normal forces and acts from the start of the step: it has moved what they acted on by then.
 static void twist_late(ancf_table* t, const ancf_contact* c) {
     double arm[3], twist[3], spin[3];
@@ -432,14 +548,6 @@ static void twist_late(ancf_table* t, const ancf_contact* c) {
 
 double ancf_owed(double before, const double late[3], const double changing[3]) {
     return before + 0.5 * ancf_dot(late, changing);
-}
-
-void ancf_table_owe(ancf_table* t, bool even) {
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
-        c->owed = even ? c->owed - 0.5 * ancf_dot(c->late, c->changing) : 0.0;
-        for (int k = 0; k < 3 && !even; k++) c->late[k] = 0.0;
-    }
 }
 
 void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {

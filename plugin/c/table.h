@@ -103,6 +103,9 @@ void ancf_table_speed_up_group(ancf_table* t, const ancf_contact_group* group, d
 void ancf_table_going(double v[3], const ancf_table* t, const ancf_contact* c);
 void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c);
 
+// Velocity of the first side against the second's along the normal [m/s].
+double ancf_table_opening(const ancf_table* t, const ancf_contact* c);
+
 // What one place does to another.
 ancf_effects ancf_table_effects(const ancf_table* t, int from, int to);
 

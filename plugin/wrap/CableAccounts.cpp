@@ -28,7 +28,7 @@ namespace {
 void CableEngine::noteEnergy(const ancf_time& time) {
     ancf_model* m = model.get();
     const bool leapfrog = integrator == "leapfrog";
-    const Real last = leapfrog ? time.last_substep : 0, next = leapfrog ? time.step / time.substeps : 0;
+    const Real last = leapfrog ? time.last : 0, next = leapfrog ? time.step : 0;
     Real axial, bending;
     ancf_elastic_energy(&axial, &bending, m, m->x, 0, nElements());
     elasticAt = axial + bending;
@@ -184,7 +184,7 @@ void CableEngine::relax(Real tolerance, int iterations) {
         state.pos = nodeOf(model->x, model->stride, carryNodes[i]);
         state.vel = Vector3r::Zero();
     }
-    lastStep = lastSubstep = 0;
+    lastStep = 0;
     changed();
     s.doSort = true;
 }

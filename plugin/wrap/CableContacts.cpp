@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 
 namespace yade {
@@ -33,6 +34,9 @@ namespace {
     }
 
     void outOfMemory() { throw std::bad_alloc(); }
+
+    // From the middle of O.dt to the middle of one of the cable's steps in it [s].
+    Real timeFromMiddle(const ancf_time& time, int step, int steps) { return time.step * (step - .5 * (steps - 1)); }
 
     int added(int number) {
         if (number < 0) outOfMemory();
@@ -187,16 +191,17 @@ int CableContacts::addBody(const CableEngine& cable, const Body& body) {
     }
     Vector3r before = state.vel;
     if (carrier >= 0) before = vel = Vector3r::Zero(); // its knot moves it
+    const Vector3r acceleration = (vel - before) / s.dt, turning = (spin - state.angVel) / s.dt;
     ancf_body b {};
     copy(b.position, state.pos);
-    copy(b.velocity, vel);
-    copy(b.spin, spin);
-    copy(b.acceleration, (vel - before) / s.dt);
-    copy(b.turning, (spin - state.angVel) / s.dt);
+    copy(b.velocity, vel + untilFirst * acceleration);
+    copy(b.spin, spin + untilFirst * turning);
+    copy(b.acceleration, acceleration);
+    copy(b.turning, turning);
     copy(b.inv_mass, carrier >= 0 ? Vector3r(Vector3r::Zero()) : m.inverseMass);
     copy(b.along, m.along);
     for (int c = 0; c < 3; ++c) copy(b.inv_inertia + 3 * c, m.inverseInertia.row(c));
-    entries.push_back({body.id, vel, spin, carrier});
+    entries.push_back({body.id, spin, carrier});
     stamp[body.id] = gathered;
     return entryOfBody[body.id] = added(ancf_table_add_body(table.get(), &b));
 }
@@ -298,7 +303,8 @@ void CableContacts::addCrossings(CableEngine& cable) {
                          memory.data(), static_cast<int>(memory.size())));
 }
 
-void CableContacts::gather(CableEngine& cable) {
+void CableContacts::gather(CableEngine& cable, int steps) {
+    untilFirst = -.5 * (steps - 1) * cable.scene->dt / steps;
     ancf_table_clear(table.get());
     ++gathered;
     entries.clear();
@@ -316,39 +322,50 @@ void CableContacts::gather(CableEngine& cable) {
 
 // ---------------------------------------------------------------- solved
 
-void CableContacts::solve(CableEngine& cable, const ancf_time& time) {
+void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, int steps) {
     ancf_model* m = cable.theModel();
     ancf_table* t = table.get();
     const int n = ancf_table_contacts(t);
-    cable.contactSteps = cable.sweeps = 0;
+    if (step == 0) {
+        cable.contactSteps = cable.sweeps = 0;
+        cable.frictionLeft = 0;
+    }
     if (n == 0 && !cable.coupled()) {
         velocity = m->free;
         way = nullptr;
         return;
     }
-    after.assign(m->free, m->free + cable.position.size());
-    shift.assign(cable.position.size(), 0);
+    const size_t size = cable.position.size();
+    after.resize(size);
+    shift.resize(size);
+    std::memcpy(after.data(), m->free, size * sizeof(Real));
+    std::memset(shift.data(), 0, size * sizeof(Real));
     velocity = after.data();
     way = shift.data();
-    if (ancf_table_prepare(t, m, m->free)) outOfMemory();
-    ancf_table_accelerate(t, m, m->a);
+    if (step == 0) {
+        if (ancf_table_prepare(t, m, m->free)) outOfMemory();
+        ancf_table_accelerate(t, m, m->a);
+    } else {
+        ancf_table_go_on(t, m, m->free, time.step);
+    }
     ancf_table_guess(t, time.step);
     ancf_table_couple(t, time.step);
     int stiffest = 0;
-    cable.contactSteps = ancf_table_substeps(t, time.step, &stiffest);
-    if (cable.contactSteps > substepsMost)
-        cable.refuse(text("at iteration ", cable.scene->iter, " ", nameOf(cable, stiffest), " would need ",
-                          cable.contactSteps, " sub-steps in O.dt = ", time.step,
+    const int needed = ancf_table_substeps(t, time.step, &stiffest);
+    if (needed > substepsMost)
+        cable.refuse(text("at iteration ", cable.scene->iter, " ", nameOf(cable, stiffest), " would need ", needed,
+                          " sub-steps in ", time.step,
                           " s: it is too stiff, or what touches too light or too fast; use O.dt <= ",
-                          time.step * substepsMost / cable.contactSteps));
-    ancf_table_press(t, time.step, cable.contactSteps);
-    cable.sweeps = ancf_table_rub(t, time.step, &cable.frictionLeft);
-    if (cable.sweeps > 0) ancf_table_couple(t, time.step);
+                          steps * time.step * substepsMost / needed));
+    ancf_table_press(t, time.step, needed);
+    Real left = 0;
+    const int sweeps = ancf_table_rub(t, time.step, &left);
+    if (sweeps > 0) ancf_table_couple(t, time.step);
     ancf_table_apply(t, m, time.step, after.data(), shift.data());
-    ancf_table_owe(t, time.substeps == 1);
-    Real twist[3];
-    ancf_table_twist_left(twist, t);
-    cable.twistLeft += vectorOf(twist);
+    ancf_table_end(t, time.step, timeFromMiddle(time, step, steps));
+    cable.contactSteps += needed;
+    cable.sweeps = std::max(cable.sweeps, sweeps);
+    cable.frictionLeft = std::max(cable.frictionLeft, left);
 }
 
 string CableContacts::nameOf(const CableEngine& cable, int contact) const {
@@ -363,7 +380,7 @@ string CableContacts::nameOf(const CableEngine& cable, int contact) const {
 // ---------------------------------------------------------------- given back
 
 // Forces to the bodies, for whoever integrates them; the rest of what moved them within the step to their places.
-void CableContacts::giveBodies(const CableEngine& cable) {
+void CableContacts::giveBodies(const CableEngine& cable, Real passed) {
     Scene& s = *cable.scene;
     lifted = 0;
     for (size_t i = 0; i < entries.size(); ++i) {
@@ -372,7 +389,7 @@ void CableContacts::giveBodies(const CableEngine& cable) {
         const Vector3r impulse = vectorOf(b.impulse), twist = vectorOf(b.twist);
         if (impulse == Vector3r::Zero() && twist == Vector3r::Zero()) continue;
         const bool driven = drivenBody(s, body);
-        const Vector3r turn = vectorOf(b.turn) - s.dt * (vectorOf(b.spin) - entries[i].spinBefore);
+        const Vector3r turn = vectorOf(b.turned) - s.dt * (vectorOf(b.spin) - passed * vectorOf(b.given + 3));
         if (!driven && turn != Vector3r::Zero()) body.state->ori = turned(turn) * body.state->ori;
         const bool carried = entries[i].carrier >= 0; // what moves it, its knot takes
         const Left left =
@@ -382,7 +399,7 @@ void CableContacts::giveBodies(const CableEngine& cable) {
         if (carried) continue;
         if (!driven)
             for (int c = 0; c < 3; ++c) body.state->vel[c] += s.dt * b.inv_mass[c] * left.force[c];
-        const Vector3r more = vectorOf(b.shift) - s.dt * (vectorOf(b.velocity) - entries[i].before);
+        const Vector3r more = vectorOf(b.moved) - s.dt * (vectorOf(b.velocity) - passed * vectorOf(b.given));
         body.state->pos += more;
         lifted -= body.state->mass * cable.gravity.dot(more);
     }
@@ -396,15 +413,16 @@ void CableContacts::giveRows(const CableEngine& cable) const {
         row.phys->kn = row.phys->ks = 0;
         for (int i = row.begin; i < row.end; ++i) {
             const ancf_contact& c = *ancf_table_contact(table.get(), i);
-            const Vector3r rubbed = vectorOf(c.friction);
-            row.geom->friction[static_cast<size_t>(i - row.begin)] = rubbed;
-            row.geom->force[static_cast<size_t>(i - row.begin)] = c.impulse / dt;
+            const Vector3r pressed = vectorOf(c.pressed) / dt;
+            const Real force = pressed.norm();
+            row.geom->friction[static_cast<size_t>(i - row.begin)] = vectorOf(c.friction);
+            row.geom->force[static_cast<size_t>(i - row.begin)] = force;
             row.geom->late[static_cast<size_t>(i - row.begin)] = vectorOf(c.late);
             row.geom->owed[static_cast<size_t>(i - row.begin)] = c.owed;
-            friction += rubbed;
-            normal += c.impulse / dt * vectorOf(c.normal);
+            friction += vectorOf(c.dragged) / dt;
+            normal += pressed;
             row.phys->kn += ancf_normal_tangent(&c.law, c.depth);
-            row.phys->ks += c.impulse / dt * ancf_friction_slope(&c.rub) / dt;
+            row.phys->ks += force * ancf_friction_slope(&c.rub) / dt;
         }
         row.phys->normalForce = normal;
         row.phys->shearForce = friction;
@@ -412,6 +430,7 @@ void CableContacts::giveRows(const CableEngine& cable) const {
 }
 
 void CableContacts::give(CableEngine& cable, const ancf_time& time) {
+    const Real passed = -untilFirst; // of the last step in O.dt, as the first is as far before its middle
     ancf_model* m = cable.theModel();
     ancf_table* t = table.get();
     if (!way) {
@@ -422,18 +441,21 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
         for (size_t i = 0; i < cable.carryIds.size(); ++i) cable.setCarryReaction(i, Vector3r::Zero());
         return;
     }
-    giveBodies(cable);
+    giveBodies(cable, passed);
     giveRows(cable);
+    Real twist[3];
+    ancf_table_twist_left(twist, t);
+    cable.twistLeft += vectorOf(twist);
     const int n = ancf_table_contacts(t);
     cable.contacts = 0;
     for (int i = 0; i < n; ++i) {
         const ancf_contact& c = *ancf_table_contact(t, i);
-        cable.contacts += c.impulse > 0;
+        cable.contacts += vectorOf(c.pressed) != Vector3r::Zero();
         cable.maxPenetration = std::max(cable.maxPenetration, c.depth);
     }
     memory.resize(static_cast<size_t>(n - firstCrossing));
     memory.resize(static_cast<size_t>(ancf_cross_keep(memory.data(), t, firstCrossing, n)));
-    ancf_table_forces(t, m, ancf_acting(&time), m->f); // what the reactions are found from
+    ancf_table_forces(t, m, ancf_kick(&time), m->f); // what the reactions are found from
     int coupling = 0;
     for (size_t i = 0; i < cable.carryIds.size(); ++i) {
         if (cable.carrierOf(cable.carryIds[i]) < 0) {

@@ -30,7 +30,7 @@ class CableContacts {
 
     struct Entry { // of a body in the table
         Body::id_t id;
-        Vector3r before, spinBefore; // as it would move without the table [m/s], [rad/s]
+        Vector3r spinBefore; // as it would turn without the table [rad/s]
         int carrier;                 // number in carryNodes where it moves with its knot, or -1
     };
     struct Row { // of a contact of YADE's in the table: its places are the contacts begin .. end-1
@@ -53,6 +53,7 @@ class CableContacts {
     bool outgrown = true;                           // an element has left its box: new ones in the next step
     vector<Real> after, shift;                      // fields: velocities with contacts, displacements besides
     const Real *velocity = nullptr, *way = nullptr; // what this step goes on with
+    Real untilFirst = 0;                            // from the middle of O.dt to that of the first step in it [s]
     Real lifted = 0;                                // see lift()
 
     void makeCover(const CableEngine& cable);
@@ -67,7 +68,7 @@ class CableContacts {
     void addCouplings(const CableEngine& cable);
     void addCrossings(CableEngine& cable);
     string nameOf(const CableEngine& cable, int contact) const;
-    void giveBodies(const CableEngine& cable);
+    void giveBodies(const CableEngine& cable, Real passed);
     void giveRows(const CableEngine& cable) const;
 
 public:
@@ -75,8 +76,8 @@ public:
     void reset(); // the model is gone
     void build(CableEngine& cable);
 
-    void gather(CableEngine& cable);
-    void solve(CableEngine& cable, const ancf_time& time);
+    void gather(CableEngine& cable, int steps); // that the cable takes in O.dt
+    void solve(CableEngine& cable, const ancf_time& time, int step, int steps); // one of the cable's in O.dt
     void give(CableEngine& cable, const ancf_time& time);
     void look(CableEngine& cable);                             // after the step: do the boxes hold?
     void keep(vector<int>& pairs, vector<Real>& values) const; // what the next step remembers

@@ -54,8 +54,8 @@ class CableEngine : public GlobalEngine {
     void checkScene() const;
     void checkBodies() const;
     void checkPartners();
-    void checkStep(const ancf_time& time);
-    ancf_time timeOfStep();
+    void checkStep(int inside);
+    int stepsInside();
     void getReady();
 
     void holdNodes();
@@ -109,7 +109,7 @@ public:
         "Moves cables and nets of ANCF elements or springs, solves their contacts, and carries bodies with their knots. "
         "Between InteractionLoop and NewtonIntegrator. Filled by the Python classes Cable and Net of the package ancf.",
         ((string, integrator, "leapfrog", , "'leapfrog', or 'rk4' (a reference: four force evaluations; knows no contact)."))
-        ((int, substeps, 0, , "Steps of the cable inside one O.dt; 0: as many as it needs."))
+        ((int, substeps, 0, , "Steps of the cable inside one O.dt, contacts acting in each; 0: as many as it needs."))
         ((int, family, 0, , "Number of this engine, unique in the scene."))
         ((int, nNodes, 0, Attr::readonly, "Number of nodes."))
         ((vector<Real>, position, , , "Positions of nodes [m] and slopes [-]: blocks x, y, z of `stride`, in each the nodes, the slopes at the starts of all elements, those at the ends."))
@@ -146,8 +146,7 @@ public:
         ((vector<Vector3r>, loads, , Attr::readonly, "The forces [N]."))
         ((vector<int>, tiedNodes, , Attr::readonly, "Nodes that another one stands for."))
         ((vector<int>, tiedTo, , Attr::readonly, "The ones that stand for them."))
-        ((Real, lastStep, 0, Attr::readonly, "Length of the step before [s], 0 at the start."))
-        ((Real, lastSubstep, 0, Attr::readonly, "Length of the sub-step before [s], 0 at the start."))
+        ((Real, lastStep, 0, Attr::readonly, "Length of the cable's step before [s], 0 at the start."))
         ((Vector3r, gravity, Vector3r::Zero(), Attr::readonly, "That of NewtonIntegrator, as last seen [m/s²]."))
         ((int, contacts, 0, Attr::readonly, "Places that pressed on something in the last step."))
         ((int, contactSteps, 0, Attr::readonly, "Sub-steps of the contacts in the last step; 0: nothing could touch."))

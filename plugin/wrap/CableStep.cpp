@@ -166,30 +166,35 @@ void CableEngine::action() {
     model->x = position.data();
     model->v = velocity.data();
     model->track = scene->trackEnergy;
-    const ancf_time time = timeOfStep();
-    checkStep(time);
+    const int inside = stepsInside();
+    checkStep(inside);
     if (const NewtonIntegrator* newton = newtonOf(*scene)) gravity = newton->gravity;
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
 
     eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });
     holdNodes();
     gatherForces();
-    ancf_predict(model.get(), &time);
-    if (scene->trackEnergy) noteEnergy(time);
-    touching.gather(*this);
-    touching.solve(*this, time);
-    if (integrator == "rk4") {
-        if (touching.displacement())
-            refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
-        ancf_rk4(model.get(), time.step);
-    } else {
-        ancf_correct(model.get(), &time, touching.newVelocity(), touching.displacement());
+    Real dampedBefore = 0; // the positions that the step starts from
+    for (int k = 0; k < inside; ++k) {
+        const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
+        ancf_predict(model.get(), &time);
+        if (k == 0 && scene->trackEnergy) noteEnergy(time);
+        if (k == 0) touching.gather(*this, inside);
+        touching.solve(*this, time, k, inside);
+        if (integrator == "rk4") {
+            if (touching.displacement())
+                refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
+            ancf_rk4(model.get(), time.step);
+        } else {
+            ancf_correct(model.get(), &time, touching.newVelocity(), touching.displacement());
+        }
+        if (k == 0) dampedBefore = model->damping_half;
+        if (k == inside - 1) touching.give(*this, time);
+        lastStep = time.step;
     }
-    touching.give(*this, time);
+    model->damping_half = dampedBefore;
     scatter();
     touching.look(*this);
-    lastStep = time.step;
-    lastSubstep = time.step / time.substeps;
     if (scene->trackEnergy) trackEnergy();
 }
 

@@ -95,15 +95,15 @@ py::list CableEngine::overlaps(Real part) {
     return all;
 }
 
-ancf_time CableEngine::timeOfStep() {
-    ancf_time t {theScene().dt, lastStep, std::max(1, substeps), lastSubstep};
-    if (integrator == "rk4") t = {t.step, t.step, 1, t.step};
-    else if (substeps == 0 && !coupled()) t.substeps = std::max(1, static_cast<int>(std::ceil(t.step / substepLimit)));
-    return t;
+// Steps of the cable in this O.dt.
+int CableEngine::stepsInside() {
+    if (integrator == "rk4") return 1;
+    if (substeps > 0 || coupled()) return std::max(1, substeps);
+    return std::max(1, static_cast<int>(std::ceil(theScene().dt / substepLimit)));
 }
 
 // At the first step, when O.dt changes, and every checkInterval steps: is the step stable, the state finite?
-void CableEngine::checkStep(const ancf_time& time) {
+void CableEngine::checkStep(int inside) {
     const Scene& s = theScene();
     if (s.dt == checkedStep && checkedIter >= 0 && s.iter < checkedIter + checkInterval) return;
     if (!(s.dt > 0) || !std::isfinite(s.dt)) refuse(text("O.dt = ", s.dt, ": must be above 0"));
@@ -113,11 +113,11 @@ void CableEngine::checkStep(const ancf_time& time) {
         if (!std::isfinite(value))
             refuse(text("the state is no longer finite at iteration ", s.iter, " (element ", strained,
                         "): the step was too long, or a force not finite"));
-    const Real limit = ancf_critical_step(model.get(), largest, &stiffest), step = time.step / time.substeps;
+    const Real limit = ancf_critical_step(model.get(), largest, &stiffest), step = s.dt / inside;
     if (integrator == "leapfrog" && step > 1.0000001 * limit)
         refuse(text("at iteration ", s.iter, " the step of the cable ", step, " s is above the critical ", limit,
                     " s of element ", stiffest, " (largest strain ", largest, " in element ", strained,
-                    "): use O.dt <= ", limit * time.substeps, " or more substeps"));
+                    "): use O.dt <= ", limit * inside, " or more substeps"));
     checkedIter = s.iter;
     checkedStep = s.dt;
 }

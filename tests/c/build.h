@@ -187,11 +187,10 @@ static inline void own_momentum(double P[3], double H[3], double terms[2], const
 // Leapfrog for a number of steps, from a start with half a kick.
 static inline void run_leapfrog(ancf_model* m, double h, int steps, ancf_time* time) {
     time->step = h;
-    time->substeps = 1;
     for (int i = 0; i < steps; ++i) {
         ancf_predict(m, time);
         ancf_correct(m, time, m->free, NULL);
-        time->last = time->last_substep = h;
+        time->last = h;
     }
 }
 

@@ -352,34 +352,11 @@ static void flexible_pendulum(void** state) {
         b.hold[0] = ANCF_HELD;
         build_finish(&b);
         b.m->gravity[1] = -9.8;
-        ancf_time time = {.last = 1e-4, .last_substep = 1e-4};
+        ancf_time time = {.last = 1e-4};
         run_leapfrog(b.m, 1e-4, 200, &time);
         assert_near(b.x[b.stride + 2], -0.0019524, 1e-5);
         assert_near(b.x[2 * b.stride + 4], -0.0816723, 1e-5);
         build_free(&b);
-    }
-}
-
-// Cable steps of h inside one of 4 h are the same motion as steps of h.
-static void substeps_are_steps(void** state) {
-    (void)state;
-    const int kinds[] = {0, ANCF_LUMPED};
-    for (int k = 0; k < 2; ++k) {
-        built one = swinging_cable(kinds[k]), many = swinging_cable(kinds[k]);
-        ancf_time time = {0}, sub = {.step = 4e-4, .substeps = 4};
-        run_leapfrog(one.m, 1e-4, 400, &time);
-        for (int i = 0; i < 100; ++i) {
-            ancf_predict(many.m, &sub);
-            ancf_correct(many.m, &sub, many.m->free, NULL);
-            sub.last = 4e-4;
-            sub.last_substep = 1e-4;
-        }
-        for (int i = 0; i < 3 * one.stride; ++i) {
-            assert_near(many.x[i], one.x[i], 1e-12);
-            assert_near(many.v[i], one.v[i], 1e-10);
-        }
-        build_free(&one);
-        build_free(&many);
     }
 }
 
@@ -434,7 +411,6 @@ int main(void) {
         cmocka_unit_test(free_beam),
         cmocka_unit_test(chain_of_springs),
         cmocka_unit_test(flexible_pendulum),
-        cmocka_unit_test(substeps_are_steps),
         cmocka_unit_test(held_node_follows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -14,7 +14,8 @@
 //
 // In the order of use in a step: ancf_table_clear; add places, bodies, contacts, couplings; ancf_table_prepare,
 // ancf_table_accelerate, ancf_table_guess, ancf_table_couple, ancf_table_substeps, ancf_table_press, ancf_table_rub,
-// ancf_table_couple, ancf_table_apply, ancf_table_owe.
+// ancf_table_couple, ancf_table_apply, ancf_table_end. The cable can take several steps with contacts that were found
+// once: ancf_table_go_on then stands for the first two.
 #ifndef ANCF_CONTACT_H
 #define ANCF_CONTACT_H
 
@@ -49,9 +50,12 @@ typedef struct {
     double inv_mass[3];                 // per axis, 0 where it cannot move [1/kg]
     double inv_inertia[9];              // world axes, row by row; 0 where it cannot turn [1/(kg m2)]
     double along[3];             // direction of a straight guide over the root of the mass on it; 0: none [1/sqrt(kg)]
-    double impulse[3], twist[3]; // on it in this step, the latter about `position` [N s], [N m s]
-    double pushed[6];            // scratch: velocity and spin since a sub-step began [m/s], [rad/s]
+    double impulse[3], twist[3]; // on it since the table was filled, the latter about where it is [N s], [N m s]
     double shift[3], turn[3];    // how far they move and turn it by the end of the step [m], [rad]
+    double before[6];            // velocity and spin at the start of the step [m/s], [rad/s]
+    double given[6];             // acceleration and turning as they were given: the guess of friction adds to them
+    double moved[3], turned[3];  // since the table was filled, at the mean of what those do [m], [rad]
+    double pushed[6];            // velocity and spin since a sub-step of the contacts began [m/s], [rad/s]
 } ancf_body;
 
 // One side of a contact: a place, a body, a body that moves with a knot and turns by itself, or none: it stands still.
@@ -75,11 +79,13 @@ typedef struct {
     double met;            // velocity along the normal without its own force, when that was found [m/s]
     bool slides;           // faster than the transition velocity of its friction
     double impulse;        // of the normal force in this step, >= 0 [N s]
-    double depth;          // deepest penetration in this step [m]
+    double depth;          // deepest penetration since the table was filled [m]
+    double pressed[3];     // normal impulse on the first side since then [N s]
+    double dragged[3];     // and that of friction [N s]
     double force, before;  // normal force of a sub-step, and the last that was found [N]
     double kicked;         // part of `force` that has moved what it acts on [N]
     double energy;         // elastic energy at the start of a sub-step, in the end of the step [J]
-    double damped;         // taken out by its damping in this step [J]
+    double damped;         // taken out by its damping since the table was filled [J]
     double rubbed;         // and by its friction [J]
     double own;            // velocity along the normal by a unit impulse along it [1/kg]
     double speed, elastic; // of the sub-step [m/s], [N]
@@ -129,6 +135,15 @@ ancf_coupling* ancf_table_coupling(ancf_table* table, int i);
 // other. ANCF_E_MEMORY if there is not enough.
 ancf_error ancf_table_prepare(ancf_table* table, const ancf_model* m, const double* velocity);
 
+// Ends a step: what contacts owe, sums over all steps since the table was filled, and where bodies are. `passed`: from
+// the middle of the time for which the accelerations of bodies are given to the middle of this step [s]; 0 if it is one.
+void ancf_table_end(ancf_table* table, double step, double passed);
+
+// Goes on with the same contacts into the next step of the cable, of the same length, instead of ancf_table_prepare and
+// ancf_table_accelerate: where sides and gaps are now, and what contacts owe. m->x is where the cable has come to, m->a
+// its acceleration without what is in the table, `velocity` as in ancf_table_prepare.
+void ancf_table_go_on(ancf_table* table, const ancf_model* m, const double* velocity, double step);
+
 // Accelerations of the places from a field (3 x stride); without this call, none.
 void ancf_table_accelerate(ancf_table* table, const ancf_model* m, const double* acceleration);
 
@@ -157,11 +172,9 @@ void ancf_table_couple(ancf_table* table, double rest);
 void ancf_table_apply(ancf_table* table, const ancf_model* m, double step, double* velocity, double* shift);
 
 // Contacts act while accelerations are even, those of the start of the step; leapfrog's energy goes with the mean of
-// those at its start and at its end. So they do late . (a_end - a_start)/2 too much work. ancf_table_owe books the part
-// of a_start; the next step knows a_end and adds its part by ancf_owed, which gives the `owed` of its contact. Contacts
-// give it back where they press. even: false if the cable takes sub-steps, for which this does not hold: nothing is
-// owed then.
-void ancf_table_owe(ancf_table* table, bool even);
+// those at its start and at its end. So they do late . (a_end - a_start)/2 too much work. ancf_table_end books the
+// part of a_start; the next step knows a_end and adds its part by ancf_owed, which gives the `owed` of its contact.
+// Contacts give it back where they press.
 double ancf_owed(double before, const double late[3], const double changing[3]);
 
 // Adds the table's impulses to a field of forces, over a time [s] (3 x stride).

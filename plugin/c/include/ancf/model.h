@@ -88,11 +88,10 @@ typedef struct {
     double *x, *v;    // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
     double* external; // (3 x stride) forces that act besides those computed here [N, N m]
     double* held;     // (3 x stride) new velocity of what is held
-    double *f, *a;    // (3 x stride) force and acceleration of the last step, its mean over sub-steps
-    double* kick;     // (3 x stride) acceleration by contact, apart where the cable takes sub-steps
+    double *f, *a;    // (3 x stride) force and acceleration of the last step
     double* free;     // (3 x stride) mean velocity of the step ahead without friction
     double* scratch;  // (9 x n_elements) d, its rate, and the force on it
-    double* work;     // (6 x 3 x stride) for RK4, equilibrium, sub-steps
+    double* work;     // (6 x 3 x stride) for RK4, equilibrium, damping
 } ancf_model;
 
 // Builds a model on the caller's state arrays x and v ((3 x ancf_stride(def)) each, laid out as above). On an error

@@ -7,11 +7,8 @@
 
 #include "model.h"
 
-// Length in time of one step [s].
 typedef struct {
-    double step, last;   // this step and the one before; last = 0 at the start
-    int substeps;        // of the cable inside one step, >= 1; contact acts once, as a kick at the start
-    double last_substep; // length of the sub-step before; 0 at the start
+    double step, last; // length of this step and of the one before [s]; last = 0 at the start
 } ancf_time;
 
 // Length of a step's kick [s].
@@ -30,9 +27,6 @@ void ancf_rk4(ancf_model* m, double step);
 
 // Accelerations at a state into m->a.
 void ancf_acceleration(ancf_model* m, const double* x, const double* v);
-
-// Time over which the cable's own forces act in a step [s], whose mean is m->f: less than the step in the first one.
-double ancf_acting(const ancf_time* time);
 
 // Force that holds unknown i at the last step [N]: M a - f of its row, for nodes and slopes that are held.
 void ancf_reaction(double force[3], const ancf_model* m, int dof);
