@@ -61,6 +61,7 @@ static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const anc
         ancf_model_at(x[s], m, m->x, e[s], at->xi[s]);
     }
     for (int i = 0; i < 3; i++) c.side[1].arm[i] = x[0][i] - x[1][i];
+    for (int k = 0; k < 2; ++k) c.within[k] = (double)(at->segment + k) / cover[e[0]].segments;
     memcpy(c.normal, at->normal, sizeof c.normal);
     recall(&c, m, last, end);
     return ancf_table_add_contact(table, &c) < 0 ? -1 : 1;

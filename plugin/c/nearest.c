@@ -745,3 +745,28 @@ int ancf_nearest_segments(ancf_nearest_pair* found, const ancf_cubic* first, int
     }
     return n;
 }
+
+double ancf_nearest_from(const ancf_cubic* cable, const double within[2], const double point[3]) {
+    const power p = expand(cable, point);
+    double start[3], along;
+    at(start, &p, within[0]);
+    const piece s = part_of(&p, within[0], within[1], start, bend_of(&p));
+    static const double origin[3] = {0.0, 0.0, 0.0};
+    const double distance = sqrt(chord_square(&along, &s, origin));
+    return nearest_in(&p, &s, along, distance + 0.125 * s.bend).t;
+}
+
+bool ancf_nearest_settle(double xi[2], const ancf_cubic* first, const double within[2], const ancf_cubic* second) {
+    const double* origin = second->control[0];
+    const power p = expand(first, origin), q = expand(second, origin);
+    double start[3];
+    at(start, &p, within[0]);
+    const piece a = part_of(&p, within[0], within[1], start, bend_of(&p));
+    const piece b = part_of(&q, 0.0, 1.0, q.a[0], bend_of(&q));
+    const double along[2] = {a.step > 0.0 ? (xi[0] - a.low) / a.step : 0.0, xi[1]};
+    spot best;
+    if (!settle(&best, &p, &a, &q, &b, along)) return false;
+    xi[0] = best.t;
+    xi[1] = best.other;
+    return true;
+}

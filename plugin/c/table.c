@@ -66,8 +66,8 @@ static int add(void** items, int* n, int* room, const void* item, size_t size) {
     return (*n)++;
 }
 
-static void value_of(double value[3], const int dof[4], const double weight[4], const ancf_model* m,
-                     const double* field) {
+void ancf_value_of(double value[3], const int dof[4], const double weight[4], const ancf_model* m,
+                   const double* field) {
     for (int c = 0; c < 3; c++) {
         const double* u = field + c * m->stride;
         value[c] = weight[0] * u[dof[0]] + weight[1] * u[dof[1]] + weight[2] * u[dof[2]] + weight[3] * u[dof[3]];
@@ -88,7 +88,7 @@ int ancf_table_add_slope(ancf_table* t, const ancf_model* m, int element, double
     if (i < 0) return i;
     ancf_place* p = &t->place[i];
     ancf_model_slope_weights(p->T, m, element, xi);
-    value_of(p->slope, p->dof, p->T, m, m->x);
+    ancf_value_of(p->slope, p->dof, p->T, m, m->x);
     t->slopes = true;
     return i;
 }
@@ -220,8 +220,8 @@ static void forget_uses(ancf_table* t) {
 }
 
 static void start_place(ancf_table* t, ancf_place* p, const ancf_model* m, const double* velocity) {
-    value_of(p->velocity, p->dof, p->S, m, velocity);
-    if (t->slopes) value_of(p->bending, p->dof, p->T, m, velocity);
+    ancf_value_of(p->velocity, p->dof, p->S, m, velocity);
+    if (t->slopes) ancf_value_of(p->bending, p->dof, p->T, m, velocity);
     for (int c = 0; c < 3; c++)
         p->impulse[c] = p->couple[c] = p->moment[c] = p->acceleration[c] = p->bends[c] = 0.0;
 }
@@ -245,7 +245,7 @@ static void start_contact(ancf_table* t, ancf_contact* c) {
     if (ancf_lever_has(c)) ancf_lever_prepare(t, c);
 }
 
-ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* velocity) {
+ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* velocity) {
     if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
     t->guessed = false;
     for (int i = 0; i < t->n_places; ++i) {
@@ -259,15 +259,19 @@ ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* 
     if (!ancf_groups_make(&t->groups, t)) return ANCF_E_MEMORY;
     t->most = -1;
     for (int i = 0; i < t->n_bodies; ++i) start_body(&t->body[i]);
+    for (int i = 0; i < t->n_contacts; ++i) start_contact(t, &t->contact[i]);
+    return ANCF_OK;
+}
+
+ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* velocity) {
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
-        start_contact(t, c);
         c->before = c->repaid = c->damped = c->rubbed = 0.0;
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
         for (int k = 0; k < 3; k++) c->pressed[k] = c->dragged[k] = c->changing[k] = 0.0;
     }
     t->left[0] = t->left[1] = t->left[2] = 0.0;
-    return ANCF_OK;
+    return ancf_table_start(t, m, velocity);
 }
 
 // Difference of the places' accelerations; of bodies they change less.
@@ -282,8 +286,8 @@ static void changing_of(double a[3], const ancf_table* t, const ancf_contact* c)
 void ancf_table_accelerate(ancf_table* t, const ancf_model* m, const double* acceleration) {
     for (int i = 0; i < t->n_places; ++i) {
         ancf_place* p = &t->place[i];
-        value_of(p->acceleration, p->dof, p->S, m, acceleration);
-        if (t->slopes) value_of(p->bends, p->dof, p->T, m, acceleration);
+        ancf_value_of(p->acceleration, p->dof, p->S, m, acceleration);
+        if (t->slopes) ancf_value_of(p->bends, p->dof, p->T, m, acceleration);
     }
     for (int i = 0; i < t->n_contacts; ++i) changing_of(t->contact[i].changing, t, &t->contact[i]);
 }
@@ -465,69 +469,6 @@ void ancf_table_end(ancf_table* t, double step, double passed) {
             c->pressed[k] += c->impulse * c->normal[k];
             c->dragged[k] += step * c->friction[k];
         }
-    }
-}
-
-// Arm of a side's body, or of the second of two cables, from its position to a point.
-static void set_arm(const ancf_table* t, ancf_side* side, const double at[3], const double place[3]) {
-    for (int k = 0; k < 3; k++) {
-        double from = place[k];
-        if (side->place < 0 && side->body >= 0) from = t->body[side->body].position[k] + t->body[side->body].moved[k];
-        side->arm[k] = at[k] - from;
-    }
-}
-
-// Where a contact's sides are now, and the gap: friction, which came last, has moved them, too.
-static void follow(ancf_table* t, ancf_contact* c, const ancf_model* m, double step) {
-    double place[2][3] = {{0.0}}, at[3];
-    c->gap += step * (ancf_table_opening(t, c) - c->speed);
-    for (int s = 0; s < 2; ++s) {
-        if (c->side[s].place < 0) continue;
-        const ancf_place* p = &t->place[c->side[s].place];
-        value_of(place[s], p->dof, p->S, m, m->x);
-    }
-    const ancf_side* first = &c->side[0];
-    for (int k = 0; k < 3; k++) {
-        at[k] = place[0][k];
-        if (first->body < 0) continue;
-        at[k] += first->arm[k];
-        if (first->place < 0) at[k] += t->body[first->body].position[k] + t->body[first->body].moved[k];
-    }
-    set_arm(t, &c->side[1], at, place[1]);
-}
-
-// Two cables: the normal is along the line between them in the middle of the step.
-static void turn_normal(const ancf_table* t, ancf_contact* c, double step) {
-    double way[3];
-    if (!(c->radius[0] > 0.0)) return;
-    for (int k = 0; k < 3; k++)
-        way[k] = c->side[1].arm[k] + 0.5 * step * (t->place[c->side[0].place].velocity[k] -
-                                                   t->place[c->side[1].place].velocity[k]);
-    const double along = ancf_dot(way, c->normal), size = copysign(sqrt(ancf_dot(way, way)), along);
-    for (int k = 0; k < 3 && along != 0.0; k++) c->normal[k] = way[k] / size;
-}
-
-void ancf_table_go_on(ancf_table* t, const ancf_model* m, const double* velocity, double step) {
-    t->guessed = false;
-    for (int i = 0; i < t->n_contacts; ++i) follow(t, &t->contact[i], m, step);
-    for (int i = 0; i < t->n_places; ++i) {
-        ancf_place* p = &t->place[i];
-        start_place(t, p, m, velocity);
-        if (t->slopes) value_of(p->slope, p->dof, p->T, m, m->x);
-    }
-    for (int i = 0; i < t->n_bodies; ++i) {
-        for (int c = 0; c < 3; c++) {
-            t->body[i].velocity[c] += step * t->body[i].given[c];
-            t->body[i].spin[c] += step * t->body[i].given[3 + c];
-        }
-        start_body(&t->body[i]);
-    }
-    ancf_table_accelerate(t, m, m->a);
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
-        c->owed = ancf_owed(c->owed, c->late, c->changing);
-        turn_normal(t, c, step);
-        start_contact(t, c);
     }
 }
 

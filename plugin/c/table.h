@@ -83,6 +83,12 @@ static inline double ancf_larger(double a, double b) { return a > b ? a : b; }
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 bool ancf_reserve(void** items, int* room, int n, size_t size);
 
+// Sum of a field's values at an element's unknowns, with weights.
+void ancf_value_of(double value[3], const int dof[4], const double weight[4], const ancf_model* m, const double* field);
+
+// What a step starts with, however many the contacts have gone through.
+ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* velocity);
+
 // Gives an impulse to a place or to a body's point, `rest` before the end of the step.
 void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest);
 void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3]); // at the start of the step

@@ -235,7 +235,10 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         const Vector3r normal = geom->normals[i];
         Vector3r at, speed; // of the first side, where forces act: on a cable at its centreline, as it has no twist
         if (element >= 0) {
+            const ancf_cover& cover = shown->cover[element];
             c.side[0] = {added(ancf_table_add_place(table.get(), m, element, geom->xi[i])), -1, {0, 0, 0}};
+            for (int k = 0; k < 2; ++k)
+                c.within[k] = cover.points ? geom->xi[i] : Real(geom->segment[i] + k) / cover.segments;
             at = placeOf(m, m->x, element, geom->xi[i]);
             speed = placeOf(m, m->v, element, geom->xi[i]);
         } else {
@@ -245,6 +248,7 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         }
         c.side[1] = sideOf(cable, first, at);
         copy(c.normal, normal);
+        if (geom->ball && !first.isClumpMember()) c.round = geom->refR1 + geom->refR2;
         copy(c.friction, geom->friction[i]);
         Vector3r changing = Vector3r::Zero(); // of cables alone: bodies' accelerations change less
         for (int side = 0; side < 2; ++side) {
@@ -346,7 +350,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
         if (ancf_table_prepare(t, m, m->free)) outOfMemory();
         ancf_table_accelerate(t, m, m->a);
     } else {
-        ancf_table_go_on(t, m, m->free, time.step);
+        if (ancf_table_go_on(t, m, m->free, time.step)) outOfMemory();
     }
     ancf_table_guess(t, time.step);
     ancf_table_couple(t, time.step);

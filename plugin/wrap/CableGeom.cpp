@@ -108,12 +108,14 @@ namespace {
         return std::max(ends[0], ends[1]);
     }
 
-    bool accept(const shared_ptr<Interaction>& contact, const ancf_nearest* found, int n, Real radius1, Real radius2) {
+    bool accept(const shared_ptr<Interaction>& contact, const ancf_nearest* found, int n, Real radius1, Real radius2,
+                bool ball) {
         if (n == 0 && !contact->geom) return false;
         if (!contact->geom) contact->geom = shared_ptr<CableGeom>(new CableGeom);
         auto& geom = static_cast<CableGeom&>(*contact->geom);
         geom.refR1 = radius1;
         geom.refR2 = radius2;
+        geom.ball = ball;
         geom.set(found, n);
         return true;
     }
@@ -129,7 +131,7 @@ namespace {
         std::array<ancf_nearest, most> found;
         const auto& element = static_cast<const CableElement&>(shape2);
         const CableView* view = element.view(scene);
-        if (!view) return accept(contact, found.data(), 0, 0, 0);
+        if (!view) return accept(contact, found.data(), 0, 0, 0, false);
         const ancf_cover& cover = view->cover[element.element];
         int n = 0;
         if (!element.excludes(contact->getId1())) {
@@ -139,7 +141,7 @@ namespace {
             const Real reach = stepsAhead * scene.dt * speed + marginAhead * cover.radius;
             n = ancf_cover_touch(found.data(), &cover, &cubic, &solid, reach);
         }
-        return accept(contact, found.data(), n, radius > 0 ? radius : cover.radius, cover.radius);
+        return accept(contact, found.data(), n, radius > 0 ? radius : cover.radius, cover.radius, solid.kind == ANCF_BALL);
     }
 
     bool nearSphere(const Scene& scene, const ancf_solid& solid, const State& state, Real radius, const Shape& shape2,
@@ -150,7 +152,7 @@ namespace {
         found.gap = ancf_solid_distance(found.normal, &solid, found.point) - own;
         const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(state2, own);
         const bool near = found.gap < stepsAhead * scene.dt * speed + marginAhead * own;
-        return accept(contact, &found, near ? 1 : 0, radius > 0 ? radius : own, own);
+        return accept(contact, &found, near ? 1 : 0, radius > 0 ? radius : own, own, solid.kind == ANCF_BALL);
     }
 } // namespace
 

@@ -93,6 +93,8 @@ typedef struct {
     double repaid;         // part of `force` that gives it back [N]
     double changing[3];    // acceleration of the first side against the second without what is in the table [m/s2]
     double start[3];       // arm of the second side at the start [m]
+    double within[2];      // part of the first side's element on which its place moves; one point if it does not
+    double round;          // distance of the first side's place from the second's position where they touch [m]; 0: flat
     double radius[2];      // of two cables: how far from their centrelines they touch; else 0 [m]
     double lever[9];       // turning by a moment, see lever.c [1/m]
     double line[3];        // normal in the middle of the step
@@ -141,8 +143,9 @@ void ancf_table_end(ancf_table* table, double step, double passed);
 
 // Goes on with the same contacts into the next step of the cable, of the same length, instead of ancf_table_prepare and
 // ancf_table_accelerate: where sides and gaps are now, and what contacts owe. m->x is where the cable has come to, m->a
-// its acceleration without what is in the table, `velocity` as in ancf_table_prepare.
-void ancf_table_go_on(ancf_table* table, const ancf_model* m, const double* velocity, double step);
+// its acceleration without what is in the table, `velocity` as in ancf_table_prepare. Solids that are not round are
+// taken as flat meanwhile. ANCF_E_MEMORY if there is not enough.
+ancf_error ancf_table_go_on(ancf_table* table, const ancf_model* m, const double* velocity, double step);
 
 // Accelerations of the places from a field (3 x stride); without this call, none.
 void ancf_table_accelerate(ancf_table* table, const ancf_model* m, const double* acceleration);

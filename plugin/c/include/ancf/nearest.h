@@ -6,6 +6,7 @@
 #define ANCF_NEAREST_H
 
 #include "solid.h"
+#include <stdbool.h>
 #include <stdint.h>
 
 // Centreline of an element: r(xi) = sum of Bernstein's polynomials times control points, xi in [0, 1].
@@ -45,5 +46,12 @@ int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int se
 // searched with the same care, so that a place is the same whatever the reach.
 int ancf_nearest_segments(ancf_nearest_pair* found, const ancf_cubic* first, int segments, uint64_t which,
                           double radius1, const ancf_cubic* second, double radius2, double reach, double far);
+
+// Where the part `within` of a cable is nearest to a point.
+double ancf_nearest_from(const ancf_cubic* cable, const double within[2], const double point[3]);
+
+// Where the part `within` of a first element and a second one are nearest to each other, near the places xi. False, and
+// xi as it was, where that is not a minimum.
+bool ancf_nearest_settle(double xi[2], const ancf_cubic* first, const double within[2], const ancf_cubic* second);
 
 #endif

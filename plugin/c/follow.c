@@ -1,0 +1,103 @@
+// Contacts go on into the next step of the cable: what is near was found once, where it touches is found anew from where
+// it was.
+#include "ancf/cover.h"
+#include "internal.h"
+#include "lever.h"
+#include "table.h"
+
+#include <math.h>
+
+// Where a side is at the start of the step, and how fast.
+typedef struct {
+    double x[3], v[3];
+} motion;
+
+static motion motion_of(const ancf_table* t, const ancf_side* side, const ancf_model* m) {
+    motion at = {{0.0}, {0.0}};
+    if (side->place >= 0) {
+        const ancf_place* p = &t->place[side->place];
+        ancf_value_of(at.x, p->dof, p->S, m, m->x);
+        ancf_value_of(at.v, p->dof, p->S, m, m->v);
+    } else if (side->body >= 0) {
+        const ancf_body* b = &t->body[side->body];
+        for (int k = 0; k < 3; k++) {
+            at.x[k] = b->position[k] + b->moved[k];
+            at.v[k] = b->velocity[k];
+        }
+    }
+    return at;
+}
+
+static void put(ancf_place* p, const ancf_model* m, double xi, bool slope) {
+    p->xi = xi;
+    ancf_model_weights(p->S, m, p->element, xi);
+    if (slope) ancf_model_slope_weights(p->T, m, p->element, xi);
+}
+
+// Places that are nearest to each other in the middle of the step.
+static void slide(ancf_table* t, const ancf_contact* c, const ancf_model* m, double step) {
+    ancf_cubic first, second;
+    ancf_place* p = &t->place[c->side[0].place];
+    ancf_cover_ahead(&first, m, p->element, 0.5 * step);
+    if (c->radius[0] > 0.0) {
+        ancf_place* q = &t->place[c->side[1].place];
+        double xi[2] = {p->xi, q->xi};
+        ancf_cover_ahead(&second, m, q->element, 0.5 * step);
+        if (!ancf_nearest_settle(xi, &first, c->within, &second)) return;
+        put(p, m, xi[0], ancf_lever_has(c));
+        put(q, m, xi[1], ancf_lever_has(c));
+        return;
+    }
+    motion center = motion_of(t, &c->side[1], m);
+    for (int k = 0; k < 3; k++) center.x[k] += 0.5 * step * center.v[k];
+    put(p, m, ancf_nearest_from(&first, c->within, center.x), false);
+}
+
+// Normal in the middle of the step, gap at its start.
+static void look_again(ancf_contact* c, const motion* first, const motion* second, double step) {
+    const double radii = c->radius[0] > 0.0 ? c->radius[0] + c->radius[1] : c->round;
+    double way[3], opening = 0.0;
+    for (int k = 0; k < 3; k++)
+        way[k] = first->x[k] - second->x[k] + 0.5 * step * (first->v[k] - second->v[k]);
+    const double along = ancf_dot(way, c->normal), distance = copysign(sqrt(ancf_dot(way, way)), along);
+    for (int k = 0; k < 3; k++) {
+        if (along != 0.0) c->normal[k] = way[k] / distance;
+        opening += c->normal[k] * (first->v[k] - second->v[k]);
+    }
+    c->gap = distance - radii - 0.5 * step * opening;
+}
+
+static void follow(ancf_table* t, ancf_contact* c, const ancf_model* m, double step) {
+    const bool cables = c->radius[0] > 0.0, round = cables || c->round > 0.0, carried = c->side[0].body >= 0;
+    if (!round) c->gap += step * (ancf_table_opening(t, c) - c->speed); // friction, which came last, has moved it too
+    if (round && !carried && (cables || c->within[0] < c->within[1])) slide(t, c, m, step);
+    const motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
+    if (round) look_again(c, &first, &second, step);
+    double* out = c->side[0].arm; // to the surface of what is carried
+    const double size = sqrt(ancf_dot(out, out));
+    for (int k = 0; k < 3; k++) {
+        if (round && carried) out[k] = -size * c->normal[k];
+        c->side[1].arm[k] = first.x[k] + (carried ? out[k] : 0.0) - second.x[k];
+    }
+}
+
+ancf_error ancf_table_go_on(ancf_table* t, const ancf_model* m, const double* velocity, double step) {
+    ancf_table_accelerate(t, m, m->a); // where contacts were
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        c->owed = ancf_owed(c->owed, c->late, c->changing);
+        follow(t, c, m, step);
+    }
+    for (int i = 0; i < t->n_bodies; ++i)
+        for (int k = 0; k < 3; k++) {
+            t->body[i].velocity[k] += step * t->body[i].given[k];
+            t->body[i].spin[k] += step * t->body[i].given[3 + k];
+        }
+    for (int i = 0; t->slopes && i < t->n_places; ++i) {
+        ancf_place* p = &t->place[i];
+        ancf_value_of(p->slope, p->dof, p->T, m, m->x);
+    }
+    const ancf_error error = ancf_table_start(t, m, velocity);
+    if (!error) ancf_table_accelerate(t, m, m->a);
+    return error;
+}
