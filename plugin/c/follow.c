@@ -67,8 +67,49 @@ static void look_again(ancf_contact* c, const motion* first, const motion* secon
     c->gap = distance - radii - 0.5 * step * opening;
 }
 
+static bool is_round(const ancf_contact* c) { return c->radius[0] > 0.0 || c->round > 0.0; }
+
+// Whether it is too far to touch in the step. Moves are a quarter longer than at these speeds, as they change.
+static bool too_far(const ancf_contact* c, const motion* first, const motion* second, double step) {
+    const double *v = first->v, *u = second->v;
+    return c->gap > 1.25 * step * (sqrt(ancf_dot(v, v)) + sqrt(ancf_dot(u, u))) + c->margin;
+}
+
+static void idle(ancf_contact* c) {
+    c->idle = true;
+    for (int k = 0; k < 3; k++) c->friction[k] = 0.0;
+}
+
+// Places of contacts that are not idle, and of couplings, are not.
+static void wake_places(ancf_table* t) {
+    for (int i = 0; i < t->n_places; ++i) t->place[i].idle = true;
+    for (int i = 0; i < t->n_contacts; ++i)
+        for (int s = 0; s < 2; ++s)
+            if (!t->contact[i].idle && t->contact[i].side[s].place >= 0)
+                t->place[t->contact[i].side[s].place].idle = false;
+    for (int i = 0; i < t->n_couplings; ++i) t->place[t->coupling[i].place].idle = false;
+}
+
+void ancf_table_rest(ancf_table* t, const ancf_model* m, double step) {
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        const motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
+        if (is_round(c) && too_far(c, &first, &second, step)) idle(c);
+    }
+    wake_places(t);
+}
+
 static void follow(ancf_table* t, ancf_contact* c, const ancf_model* m, double step) {
-    const bool cables = c->radius[0] > 0.0, round = cables || c->round > 0.0, carried = c->side[0].body >= 0;
+    const bool cables = c->radius[0] > 0.0, round = is_round(c), carried = c->side[0].body >= 0;
+    if (round) {
+        const motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
+        look_again(c, &first, &second, step);
+        c->idle = false;
+        if (too_far(c, &first, &second, step)) {
+            idle(c);
+            return;
+        }
+    }
     if (!round) c->gap += step * (ancf_table_opening(t, c) - c->speed); // friction, which came last, has moved it too
     if (round && !carried && (cables || c->within[0] < c->within[1])) slide(t, c, m, step);
     const motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
@@ -85,9 +126,10 @@ ancf_error ancf_table_go_on(ancf_table* t, const ancf_model* m, const double* ve
     ancf_table_accelerate(t, m, m->a); // where contacts were
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
-        c->owed = ancf_owed(c->owed, c->late, c->changing);
+        if (!c->idle) c->owed = ancf_owed(c->owed, c->late, c->changing);
         follow(t, c, m, step);
     }
+    wake_places(t);
     for (int i = 0; i < t->n_bodies; ++i)
         for (int k = 0; k < 3; k++) {
             t->body[i].velocity[k] += step * t->body[i].given[k];

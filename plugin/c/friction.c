@@ -26,6 +26,7 @@ static void slip_of(double v[3], const ancf_table* t, const ancf_contact* c) {
 }
 
 static void rub(ancf_table* t, const ancf_contact* c, const double impulse[3], double step) {
+    if (impulse[0] == 0.0 && impulse[1] == 0.0 && impulse[2] == 0.0) return;
     ancf_table_kick(t, c, impulse, step);
     if (ancf_lever_has(c)) ancf_lever_kick(t, c, impulse);
 }
@@ -72,7 +73,7 @@ static double rub_one(ancf_table* t, ancf_contact* c, double step, double larges
     double moved = 0.0;
     for (int i = 0; i < 3; i++) {
         v[i] -= w * step * c->friction[i];
-        moved = fmax(moved, fabs(v[i] - c->without[i]));
+        moved = ancf_larger(moved, fabs(v[i] - c->without[i]));
     }
     if (moved <= tolerance * w * largest) return 0.0;
     memcpy(c->without, v, sizeof v);
@@ -106,27 +107,29 @@ static void accelerations(ancf_table* t, double inverse) {
 // Friction acts from the start of the step, where slower velocities are than in its middle: there leapfrog has the work
 // of all that acts evenly.
 void ancf_table_guess(ancf_table* t, double step) {
+    const int *live = t->groups.list[ANCF_CONTACTS], n = t->groups.contacts;
     double now[3];
-    for (int i = 0; i < t->n_contacts; ++i) slip_of(t->slip[i], t, &t->contact[i]);
+    for (int i = 0; i < n; ++i) slip_of(t->slip[live[i]], t, &t->contact[live[i]]);
     accelerations(t, -1.0 / step);
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
+    for (int i = 0; i < n; ++i) {
+        ancf_contact* c = &t->contact[live[i]];
         double P[3];
         project(c->friction, c->normal);
         for (int k = 0; k < 3; k++) P[k] = step * (c->guess[k] = c->friction[k]);
         rub(t, c, P, step);
     }
     accelerations(t, 1.0 / step);
-    for (int i = 0; i < t->n_contacts; ++i) {
-        slip_of(now, t, &t->contact[i]);
-        for (int k = 0; k < 3; k++) t->slip[i][k] = 0.5 * (now[k] - t->slip[i][k]);
+    for (int i = 0; i < n; ++i) {
+        double* slip = t->slip[live[i]];
+        slip_of(now, t, &t->contact[live[i]]);
+        for (int k = 0; k < 3; k++) slip[k] = 0.5 * (now[k] - slip[k]);
     }
     ancf_table_speed_up(t, -0.5 * step);
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
+    for (int i = 0; i < n; ++i) {
+        ancf_contact* c = &t->contact[live[i]];
         slip_of(now, t, c);
         c->rubbed -= step * ancf_dot(c->guess, now);
-        for (int k = 0; k < 3; k++) t->slip[i][k] += now[k];
+        for (int k = 0; k < 3; k++) t->slip[live[i]][k] += now[k];
     }
     ancf_table_speed_up(t, 0.5 * step);
     t->guessed = true;
@@ -149,29 +152,44 @@ static double start(ancf_table* t, ancf_contact* c, double step) {
     return bound;
 }
 
-int ancf_table_rub(ancf_table* t, double step, double* left) {
+// Friction of what presses in a group. Returns the number of sweeps.
+static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, double* left) {
+    const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     double largest = 0.0, change = 0.0;
-    *left = 0.0;
-    for (int i = 0; i < t->n_contacts; ++i) {
-        double now[3];
-        slip_of(now, t, &t->contact[i]);
-        for (int k = 0; k < 3; k++) t->slip[i][k] = (t->guessed ? t->slip[i][k] : now[k]) - 0.5 * now[k];
-    }
-    for (int i = 0; i < t->n_contacts; ++i) largest = fmax(largest, start(t, &t->contact[i], step));
+    for (int k = first; k < end; ++k) largest = ancf_larger(largest, start(t, &t->contact[contact[k]], step));
     int sweep = 0;
     while (largest > 0.0 && sweep < SWEEPS_MAX) {
         change = 0.0;
         const bool free = ++sweep <= SWEEPS_FREE;
-        for (int i = 0; i < t->n_contacts; ++i)
-            if (rubs(&t->contact[i])) change = fmax(change, rub_one(t, &t->contact[i], step, largest, free));
+        for (int k = first; k < end; ++k) {
+            ancf_contact* c = &t->contact[contact[k]];
+            if (rubs(c)) change = ancf_larger(change, rub_one(t, c, step, largest, free));
+        }
         if (change <= tolerance * tolerance * largest * largest) break;
     }
-    if (largest > 0.0) *left = sqrt(change) / largest;
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
+    if (largest > 0.0) *left = ancf_larger(*left, sqrt(change) / largest);
+    return sweep;
+}
+
+int ancf_table_rub(ancf_table* t, double step, double* left) {
+    const int *live = t->groups.list[ANCF_CONTACTS], n = t->groups.contacts;
+    int sweeps = 0;
+    *left = 0.0;
+    for (int i = 0; i < n; ++i) {
+        double now[3], *slip = t->slip[live[i]];
+        slip_of(now, t, &t->contact[live[i]]);
+        for (int k = 0; k < 3; k++) slip[k] = (t->guessed ? slip[k] : now[k]) - 0.5 * now[k];
+    }
+    for (int k = 0; k < t->groups.n; ++k) {
+        const int needed = rub_group(t, &t->groups.group[k], step, left);
+        if (needed > sweeps) sweeps = needed;
+    }
+    for (int i = 0; i < n; ++i) {
+        ancf_contact* c = &t->contact[live[i]];
         double now[3]; // energy goes with the mean of the velocities before and after
         slip_of(now, t, c);
-        for (int k = 0; k < 3; k++) c->rubbed -= step * (c->friction[k] - c->guess[k]) * (t->slip[i][k] + 0.5 * now[k]);
+        for (int k = 0; k < 3; k++)
+            c->rubbed -= step * (c->friction[k] - c->guess[k]) * (t->slip[live[i]][k] + 0.5 * now[k]);
     }
-    return sweep;
+    return sweeps;
 }

@@ -74,6 +74,7 @@ static void unite_all(ancf_groups* g, const ancf_table* t) {
             if (t->other[k] > i && felt(t, i, k)) unite(g, i, t->other[k]);
     for (int i = 0; i < t->n_contacts; ++i) {
         const ancf_contact* c = &t->contact[i];
+        if (c->idle) continue;
         const int node = node_of(t, c);
         for (int s = 0; s < 2; ++s) {
             if (c->side[s].place >= 0) unite(g, node, c->side[s].place);
@@ -86,16 +87,18 @@ static void unite_all(ancf_groups* g, const ancf_table* t) {
     }
 }
 
-// Lists n items by their groups, in their order within each.
+// Lists n items by their groups, in their order within each; those of group -1 are left out.
 static void list(ancf_groups* g, int kind, const int* group, int n) {
     for (int k = 0; k < g->n; ++k) g->group[k].end[kind] = 0;
-    for (int i = 0; i < n; ++i) ++g->group[group[i]].end[kind];
+    for (int i = 0; i < n; ++i)
+        if (group[i] >= 0) ++g->group[group[i]].end[kind];
     for (int k = 0, sum = 0; k < g->n; ++k) {
         ancf_contact_group* of = &g->group[k];
         sum += of->end[kind];
         of->first[kind] = of->end[kind] = sum - of->end[kind];
     }
-    for (int i = 0; i < n; ++i) g->list[kind][g->group[group[i]].end[kind]++] = i;
+    for (int i = 0; i < n; ++i)
+        if (group[i] >= 0) g->list[kind][g->group[group[i]].end[kind]++] = i;
 }
 
 static void make_lists(ancf_groups* g, const ancf_table* t) {
@@ -108,7 +111,12 @@ static void make_lists(ancf_groups* g, const ancf_table* t) {
     for (int k = 0; k < g->n; ++k) g->group[k].substeps = -1;
     list(g, ANCF_PLACES, g->number, t->n_places);
     list(g, ANCF_BODIES, g->number + t->n_places, t->n_bodies);
-    for (int i = 0; i < t->n_contacts; ++i) g->touched[i] = g->number[node_of(t, &t->contact[i])];
+    g->contacts = 0;
+    for (int i = 0; i < t->n_contacts; ++i) {
+        const ancf_contact* c = &t->contact[i];
+        g->touched[i] = c->idle ? -1 : g->number[node_of(t, c)];
+        g->contacts += !c->idle;
+    }
     list(g, ANCF_CONTACTS, g->touched, t->n_contacts);
 }
 
@@ -116,7 +124,7 @@ static void list_sides(ancf_groups* g, const ancf_table* t) {
     for (int i = 0; i < t->n_places; ++i) g->head[i] = -1;
     for (int i = 2 * t->n_contacts - 1; i >= 0; --i) {
         const int place = t->contact[i >> 1].side[i & 1].place;
-        if (place < 0) continue;
+        if (place < 0 || t->contact[i >> 1].idle) continue;
         g->next[i] = g->head[place];
         g->head[place] = i;
     }
@@ -146,7 +154,7 @@ static bool make_rows(ancf_groups* g, const ancf_table* t) {
     list_sides(g, t);
     g->first[0] = 0;
     for (int i = 0; i < t->n_contacts; ++i) {
-        const int n = find_effects(g, t, i);
+        const int n = t->contact[i].idle ? 0 : find_effects(g, t, i);
         const bool room = ancf_reserve((void**)&g->other, &g->room_other, count + n, sizeof *g->other) &&
                           ancf_reserve((void**)&g->effect, &g->room_effect, count + n, sizeof *g->effect);
         for (int k = 0; k < n; ++k) {

@@ -16,7 +16,7 @@ typedef struct {
 } ancf_contact_group;
 
 typedef struct {
-    int n;
+    int n, contacts; // numbers of groups, and of the contacts in them: without those that are idle
     ancf_contact_group* group;
     int* list[ANCF_ITEMS]; // numbers of the table, group by group
     // Velocity of contact other[k] by a unit impulse on contact i, through cables, for k in first[i] .. first[i + 1],

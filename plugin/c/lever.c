@@ -148,16 +148,16 @@ void ancf_lever_balance(ancf_table* t, double step) {
     double change = 1.0, most = 0.0;
     for (int pass = 0; pass < PASSES && change > rounding * rounding * most; ++pass) {
         change = most = 0.0;
-        for (int k = 0; k < t->n_contacts; ++k) {
-            ancf_contact* c = &t->contact[k];
+        for (int k = 0; k < t->groups.contacts; ++k) {
+            ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
             double all;
             if (!(c->radius[0] > 0.0) || !(c->impulse > 0.0)) continue;
             change = fmax(change, balance(t, c, &all));
             most = fmax(most, all);
         }
     }
-    for (int k = 0; k < t->n_contacts; ++k) {
-        const ancf_contact* c = &t->contact[k];
+    for (int k = 0; k < t->groups.contacts; ++k) {
+        const ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
         if (!(c->radius[0] > 0.0) || !(c->impulse > 0.0)) continue;
         double moment[3];
         ancf_cross(moment, c->start, c->friction);

@@ -180,7 +180,7 @@ static ancf_error make_effects(ancf_table* t) {
     int count = 0;
     t->first[0] = 0;
     for (int i = 0; i < t->n_places; ++i) {
-        const int n = find_effects(t, i);
+        const int n = t->place[i].idle ? 0 : find_effects(t, i);
         int room[2] = {t->room_effect, t->room_effect};
         if (!ancf_reserve((void**)&t->other, &room[0], count + n, sizeof *t->other) ||
             !ancf_reserve((void**)&t->bend, &room[1], count + n, sizeof *t->bend) ||
@@ -204,7 +204,7 @@ static ancf_error make_effects(ancf_table* t) {
 static void list_uses(ancf_table* t) {
     for (int i = t->n_places - 1; i >= 0; --i)
         for (int k = 3; k >= 0; --k) {
-            if (t->place[i].S[k] == 0.0 && t->place[i].T[k] == 0.0) {
+            if (t->place[i].idle || (t->place[i].S[k] == 0.0 && t->place[i].T[k] == 0.0)) {
                 t->next[4 * i + k] = -1;
                 continue;
             }
@@ -249,8 +249,10 @@ ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* ve
     if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
     t->guessed = false;
     for (int i = 0; i < t->n_places; ++i) {
-        t->place[i].compliance = 0.0;
-        start_place(t, &t->place[i], m, velocity);
+        ancf_place* p = &t->place[i];
+        p->compliance = 0.0;
+        if (p->idle) memset(p->impulse, 0, sizeof p->impulse);
+        else start_place(t, p, m, velocity);
     }
     list_uses(t);
     const ancf_error error = make_effects(t);
@@ -259,7 +261,11 @@ ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* ve
     if (!ancf_groups_make(&t->groups, t)) return ANCF_E_MEMORY;
     t->most = -1;
     for (int i = 0; i < t->n_bodies; ++i) start_body(&t->body[i]);
-    for (int i = 0; i < t->n_contacts; ++i) start_contact(t, &t->contact[i]);
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        if (c->idle) c->impulse = c->energy = c->late[0] = c->late[1] = c->late[2] = 0.0;
+        else start_contact(t, c);
+    }
     return ANCF_OK;
 }
 
@@ -286,10 +292,12 @@ static void changing_of(double a[3], const ancf_table* t, const ancf_contact* c)
 void ancf_table_accelerate(ancf_table* t, const ancf_model* m, const double* acceleration) {
     for (int i = 0; i < t->n_places; ++i) {
         ancf_place* p = &t->place[i];
+        if (p->idle) continue;
         ancf_value_of(p->acceleration, p->dof, p->S, m, acceleration);
         if (t->slopes) ancf_value_of(p->bends, p->dof, p->T, m, acceleration);
     }
-    for (int i = 0; i < t->n_contacts; ++i) changing_of(t->contact[i].changing, t, &t->contact[i]);
+    for (int i = 0; i < t->n_contacts; ++i)
+        if (!t->contact[i].idle) changing_of(t->contact[i].changing, t, &t->contact[i]);
 }
 
 static void speed_up_place(ancf_place* p, double time) {
@@ -462,8 +470,8 @@ void ancf_table_end(ancf_table* t, double step, double passed) {
             b->turned[c] += step * (b->before[3 + c] - passed * b->given[3 + c]) + b->turn[c];
         }
     }
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
+    for (int i = 0; i < t->groups.contacts; ++i) {
+        ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][i]];
         c->owed -= 0.5 * ancf_dot(c->late, c->changing);
         for (int k = 0; k < 3; k++) {
             c->pressed[k] += c->impulse * c->normal[k];
@@ -493,9 +501,10 @@ double ancf_owed(double before, const double late[3], const double changing[3]) 
 
 void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
     ancf_lever_balance(t, step);
-    for (int i = 0; i < t->n_contacts; ++i) twist_late(t, &t->contact[i]);
+    for (int i = 0; i < t->groups.contacts; ++i) twist_late(t, &t->contact[t->groups.list[ANCF_CONTACTS][i]]);
     for (int i = 0; i < t->n_places; ++i) {
         const ancf_place* p = &t->place[i];
+        if (p->idle) continue;
         const double *J = p->impulse, *K = p->moment, *C = p->couple;
         const bool bent = nonzero(C, 3);
         if (!bent && !nonzero(J, 3)) continue;

@@ -248,6 +248,7 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         }
         c.side[1] = sideOf(cable, first, at);
         copy(c.normal, normal);
+        c.margin = marginAhead * geom->refR2;
         if (geom->ball && !first.isClumpMember()) c.round = geom->refR1 + geom->refR2;
         copy(c.friction, geom->friction[i]);
         Vector3r changing = Vector3r::Zero(); // of cables alone: bodies' accelerations change less
@@ -347,6 +348,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     velocity = after.data();
     way = shift.data();
     if (step == 0) {
+        if (steps > 1) ancf_table_rest(t, m, time.step);
         if (ancf_table_prepare(t, m, m->free)) outOfMemory();
         ancf_table_accelerate(t, m, m->a);
     } else {

@@ -26,6 +26,7 @@
 // A place on a cable.
 typedef struct {
     int element;
+    bool idle; // no contact there is near enough
     double xi;
     int dof[4];  // of its element's unknowns in a block
     double S[4]; // their weights at xi
@@ -93,6 +94,8 @@ typedef struct {
     double repaid;         // part of `force` that gives it back [N]
     double changing[3];    // acceleration of the first side against the second without what is in the table [m/s2]
     double start[3];       // arm of the second side at the start [m]
+    double margin;         // see ancf_table_rest [m]
+    bool idle;             // too far to touch in this step
     double within[2];      // part of the first side's element on which its place moves; one point if it does not
     double round;          // distance of the first side's place from the second's position where they touch [m]; 0: flat
     double radius[2];      // of two cables: how far from their centrelines they touch; else 0 [m]
@@ -132,6 +135,11 @@ void ancf_table_twist_left(double twist[3], const ancf_table* table); // in this
 ancf_body* ancf_table_body(ancf_table* table, int i);
 ancf_contact* ancf_table_contact(ancf_table* table, int i);
 ancf_coupling* ancf_table_coupling(ancf_table* table, int i);
+
+// Leaves those round contacts out, and what is at their places, whose gap is by `margin` larger than what both sides'
+// speeds close in one and a quarter of a step [s]; where the cable takes several steps with what was found for all of
+// them.
+void ancf_table_rest(ancf_table* table, const ancf_model* m, double step);
 
 // Gets ready for a step: velocities of the places from the field `velocity` (3 x stride), and what places do to each
 // other. ANCF_E_MEMORY if there is not enough.
