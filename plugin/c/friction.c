@@ -7,9 +7,13 @@
 #include <math.h>
 #include <string.h>
 
-// On Stribeck's falling branch neighbours can free and catch each other without end: in later sweeps what slides and
-// can, goes on to.
-enum { SWEEPS_FREE = 3, SWEEPS_MAX = 24 };
+// On Stribeck's falling branch neighbours can free and catch each other without end. After a few sweeps what slides and
+// can, goes on to; after some more each coefficient is as it was then, or less, and there is one solution.
+enum { SWEEPS_FREE = 3, SWEEPS_SLIDING = 8, SWEEPS_MAX = 24 };
+
+// Where a heavy body holds a light cable and another pulls at it, sweeps change as little as they do next to nothing:
+// what one leaves more than this part of is left to the next steps, which start from here.
+static const double stalled = 0.98;
 
 // Part of the largest friction impulse below which a sweep's changes end the solve, and a contact is left as it is.
 static const double tolerance = 1e-8;
@@ -48,8 +52,7 @@ static double body_across(const ancf_body* b, const double arm[3], const double 
     return 0.5 * (trace - ancf_dot(side, turn));
 }
 
-// Effective inverse mass across the normal [1/kg]. It need not be exact: friction that solves the equation does so with
-// any (rub_one).
+// Effective inverse mass across the normal, its mean over directions [1/kg].
 static double across(const ancf_table* t, const ancf_contact* c) {
     if (ancf_lever_has(c)) return ancf_lever_across(t, c);
     double w = 0.0;
@@ -60,27 +63,48 @@ static double across(const ancf_table* t, const ancf_contact* c) {
     return w;
 }
 
+// Slip along a direction by a unit impulse along it [1/kg].
+static double along(const ancf_table* t, const ancf_contact* c, const double direction[3]) {
+    if (ancf_lever_has(c)) return c->own;
+    double w = 0.0;
+    for (int s = 0; s < 2; ++s) {
+        if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
+        if (c->side[s].body >= 0) w += ancf_body_compliance(&t->body[c->side[s].body], c->side[s].arm, direction);
+    }
+    return w;
+}
+
 static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind != ANCF_FRICTION_NONE; }
+
+// Coefficient of friction at the speed that it leaves of a speed.
+static double coefficient_left(ancf_contact* c, double speed, double beta, int sweep) {
+    if (sweep > SWEEPS_SLIDING) return ancf_friction_settle(&c->rub, speed, beta, c->most);
+    const double left = ancf_friction_solve(&c->rub, speed, beta, sweep > SWEEPS_FREE && c->slides);
+    const double coefficient = ancf_friction_coefficient(&c->rub, left);
+    c->slides = left > c->rub.v0;
+    c->most = c->slides ? coefficient : c->rub.mu_s;
+    return coefficient;
+}
 
 // Puts one contact's friction right while the others' stay; returns the square of its change [N2 s2]. Its own part is
 // taken off the velocity, the scalar equation solved along what is left, and the new part put on: where nothing changes
-// any more, the friction belongs to the true velocity, even if w was only near the response in that direction.
-static double rub_one(ancf_table* t, ancf_contact* c, double step, double largest, bool free) {
-    double v[3], change[3];
+// any more, the friction belongs to the true velocity, whatever w was: that along the friction of before is the best.
+static double rub_one(ancf_table* t, ancf_contact* c, double step, double largest, int sweep) {
+    double v[3], change[3], moved = 0.0;
     slip_of(v, t, c);
     project(v, c->normal);
-    const double w = c->own;
-    double moved = 0.0;
+    const double size = sqrt(ancf_dot(c->friction, c->friction)), slip = size > 0.0 ? size : sqrt(ancf_dot(v, v));
+    for (int i = 0; i < 3; i++) change[i] = (size > 0.0 ? c->friction[i] : v[i]) / (slip > 0.0 ? slip : 1.0);
+    const double w = slip > 0.0 ? ancf_larger(c->own, along(t, c, change)) : c->own;
     for (int i = 0; i < 3; i++) {
         v[i] -= w * step * c->friction[i];
         moved = ancf_larger(moved, fabs(v[i] - c->without[i]));
     }
-    if (moved <= tolerance * w * largest) return 0.0;
+    if (moved <= tolerance * c->own * largest) return 0.0;
     memcpy(c->without, v, sizeof v);
     const double speed = sqrt(ancf_dot(v, v));
-    const double left = ancf_friction_solve(&c->rub, speed, w * c->impulse, !free && c->slides);
-    c->slides = left > c->rub.v0;
-    const double force = ancf_friction_coefficient(&c->rub, left) * c->impulse / step;
+    const double coefficient = coefficient_left(c, speed, w * c->impulse, sweep);
+    const double force = coefficient * c->impulse / step;
     for (int i = 0; i < 3; i++) {
         const double friction = speed > 0.0 ? -force * (v[i] / speed) : 0.0;
         change[i] = step * (friction - c->friction[i]);
@@ -157,15 +181,17 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     double largest = 0.0, change = 0.0;
     for (int k = first; k < end; ++k) largest = ancf_larger(largest, start(t, &t->contact[contact[k]], step));
-    int sweep = 0;
-    while (largest > 0.0 && sweep < SWEEPS_MAX) {
+    int sweep = 0, idle = 0;
+    while (largest > 0.0 && sweep < SWEEPS_MAX && idle < 2) {
+        const double before = change;
         change = 0.0;
-        const bool free = ++sweep <= SWEEPS_FREE;
+        ++sweep;
         for (int k = first; k < end; ++k) {
             ancf_contact* c = &t->contact[contact[k]];
-            if (rubs(c)) change = ancf_larger(change, rub_one(t, c, step, largest, free));
+            if (rubs(c)) change = ancf_larger(change, rub_one(t, c, step, largest, sweep));
         }
         if (change <= tolerance * tolerance * largest * largest) break;
+        idle = sweep > SWEEPS_SLIDING && change > stalled * stalled * before ? idle + 1 : 0;
     }
     if (largest > 0.0) *left = ancf_larger(*left, sqrt(change) / largest);
     return sweep;

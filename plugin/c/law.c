@@ -177,3 +177,14 @@ double ancf_friction_solve(const ancf_friction* law, double speed, double beta, 
     }
     return speed;
 }
+
+double ancf_friction_settle(const ancf_friction* law, double speed, double beta, double most) {
+    if (law->kind != ANCF_FRICTION_HOLLARS)
+        return ancf_friction_coefficient(law, ancf_friction_solve(law, speed, beta, false));
+    if (speed - beta * most >= law->v0) return most;
+    const double s = speed / law->v0, b = beta / law->v0, hi = s < 1.0 ? s : 1.0,
+                 first = s / (1.0 + b * stribeck(law, 0.0));
+    const double root = solve_between(law, first < hi ? first : hi, b, s, 0.0, hi, true);
+    const double coefficient = root * stribeck(law, root);
+    return coefficient < most ? coefficient : most;
+}

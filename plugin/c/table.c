@@ -435,7 +435,7 @@ void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c
     for (int i = 0; i < 3; i++) a[i] = there[i] - here[i];
 }
 
-static double body_compliance(const ancf_body* b, const double arm[3], const double direction[3]) {
+double ancf_body_compliance(const ancf_body* b, const double arm[3], const double direction[3]) {
     double twist[3], spin[3];
     ancf_cross(twist, arm, direction);
     ancf_multiply(spin, b->inv_inertia, twist);
@@ -455,7 +455,7 @@ double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const d
     double w = 0.0;
     for (int s = 0; s < 2; ++s) {
         if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
-        if (c->side[s].body >= 0) w += body_compliance(&t->body[c->side[s].body], c->side[s].arm, direction);
+        if (c->side[s].body >= 0) w += ancf_body_compliance(&t->body[c->side[s].body], c->side[s].arm, direction);
     }
     if (c->side[0].place >= 0 && c->side[1].place >= 0)
         w -= 2.0 * ancf_table_effects(t, c->side[0].place, c->side[1].place).effect;

@@ -115,6 +115,9 @@ double ancf_table_opening(const ancf_table* t, const ancf_contact* c);
 // What one place does to another.
 ancf_effects ancf_table_effects(const ancf_table* t, int from, int to);
 
+// Velocity of a body's point along a unit vector by a unit impulse along it [1/kg].
+double ancf_body_compliance(const ancf_body* b, const double arm[3], const double direction[3]);
+
 // Velocity at a side by a unit impulse along a unit vector at it, along that vector [1/kg].
 double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const double direction[3]);
 

@@ -305,6 +305,33 @@ static void friction_solve_slides_on(void** state) {
     assert_true(slid > 200 && caught > 200);
 }
 
+// Friction that rises to a most and stays there leaves one speed, found by halving.
+static void friction_settles_with_a_most(void** state) {
+    (void)state;
+    uint64_t seed = 9;
+    int slid = 0, held = 0, stuck = 0;
+    for (int i = 0; i < 4000; i++) {
+        const double v0 = random_magnitude(&seed, 1e-6, 1.0), mu_k = random_between(&seed, 0.0, 0.5),
+                     mu_s = mu_k + random_between(&seed, 0.01, 0.5), beta = v0 * random_magnitude(&seed, 1.0, 1e4),
+                     most = mu_k + (mu_s - mu_k) * random_unit(&seed);
+        const double speed = v0 * random_unit(&seed) + beta * most * random_between(&seed, 0.0, 1.3);
+        const ancf_friction law = {ANCF_FRICTION_HOLLARS, mu_s, mu_k, v0};
+        const curve c = {mu_s, mu_k, v0, false};
+        const double coefficient = ancf_friction_settle(&law, speed, beta, most), u = speed - beta * coefficient;
+        double low = 0.0, high = speed;
+        for (int k = 0; k < 200; k++) {
+            const double middle = 0.5 * (low + high), mu = middle < v0 ? fmin((double)mu_of(&c, middle), most) : most;
+            if (middle + beta * mu > speed) high = middle;
+            else low = middle;
+        }
+        assert_near(u, low, 1e-9 * low + 1e-13 * speed);
+        slid += u > v0;
+        held += u < v0 && (double)mu_of(&c, u) > most;
+        stuck += (double)mu_of(&c, u) < most;
+    }
+    assert_true(slid > 200 && held > 20 && stuck > 200);
+}
+
 // 1 + b D = speed, slope of g at v0 only 1 for any b: the hard case of Newton's method.
 static void friction_solve_at_the_peak(void** state) {
     (void)state;
@@ -380,6 +407,7 @@ int main(void) {
         cmocka_unit_test(friction_never_drives),
         cmocka_unit_test(friction_solve_finds_smallest_root),
         cmocka_unit_test(friction_solve_slides_on),
+        cmocka_unit_test(friction_settles_with_a_most),
         cmocka_unit_test(friction_solve_sticks),
         cmocka_unit_test(friction_solve_at_the_peak),
         cmocka_unit_test(friction_solve_at_the_ends),

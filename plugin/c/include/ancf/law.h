@@ -63,4 +63,8 @@ double ancf_friction_slope(const ancf_friction* law);
 // On Stribeck's falling branch there can be several roots: the sticking one is taken, or the fastest if it slides.
 double ancf_friction_solve(const ancf_friction* law, double speed, double beta, bool slides);
 
+// Coefficient of friction at the speed that is left if friction of Hollars rises to `most`, no more than at v0, and
+// stays there: then there is one root [-].
+double ancf_friction_settle(const ancf_friction* law, double speed, double beta, double most);
+
 #endif
