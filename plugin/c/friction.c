@@ -11,9 +11,8 @@
 // can, goes on to; after some more each coefficient is as it was then, or less, and there is one solution.
 enum { SWEEPS_FREE = 3, SWEEPS_SLIDING = 8, SWEEPS_MAX = 24 };
 
-// Where a heavy body holds a light cable and another pulls at it, sweeps change as little as they do next to nothing:
-// what one leaves more than this part of is left to the next steps, which start from here.
-static const double stalled = 0.98;
+// Sweeps whose changes go down as a geometric series, to this part of themselves, are led to its sum at once.
+static const double misfit = 0.1, slowest = 0.9999;
 
 // Part of the largest friction impulse below which a sweep's changes end the solve, and a contact is left as it is.
 static const double tolerance = 1e-8;
@@ -76,6 +75,9 @@ static double along(const ancf_table* t, const ancf_contact* c, const double dir
 
 static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind != ANCF_FRICTION_NONE; }
 
+// Largest impulse of friction [N s].
+static double most_of(const ancf_contact* c) { return ancf_larger(c->rub.mu_s, c->rub.mu_k) * c->impulse; }
+
 // Coefficient of friction at the speed that it leaves of a speed.
 static double coefficient_left(ancf_contact* c, double speed, double beta, int sweep) {
     if (sweep > SWEEPS_SLIDING) return ancf_friction_settle(&c->rub, speed, beta, c->most);
@@ -100,6 +102,7 @@ static double rub_one(ancf_table* t, ancf_contact* c, double step, double larges
         v[i] -= w * step * c->friction[i];
         moved = ancf_larger(moved, fabs(v[i] - c->without[i]));
     }
+    c->change[0] = c->change[1] = c->change[2] = 0.0;
     if (moved <= tolerance * c->own * largest) return 0.0;
     memcpy(c->without, v, sizeof v);
     const double speed = sqrt(ancf_dot(v, v));
@@ -111,7 +114,31 @@ static double rub_one(ancf_table* t, ancf_contact* c, double step, double larges
         c->friction[i] = friction;
     }
     rub(t, c, change, step);
+    memcpy(c->change, change, sizeof change);
     return ancf_dot(change, change);
+}
+
+// Products of the changes of the last two sweeps.
+typedef struct {
+    double before, both, now;
+} series;
+
+// Lets a group's friction go on as the last two sweeps did to where that leads, as far as friction can be.
+static void lead_on(ancf_table* t, const ancf_contact_group* g, const series* s, double step) {
+    const double part = s->both / s->before, more = part / (1.0 - part);
+    for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
+        ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
+        if (!rubs(c) || ancf_dot(c->change, c->change) == 0.0) continue;
+        double wanted[3], P[3];
+        for (int i = 0; i < 3; i++) wanted[i] = step * c->friction[i] + more * c->change[i];
+        const double bound = most_of(c), size = sqrt(ancf_dot(wanted, wanted)), kept = size > bound ? bound / size : 1.0;
+        for (int i = 0; i < 3; i++) {
+            P[i] = kept * wanted[i] - step * c->friction[i];
+            c->friction[i] = kept * wanted[i] / step;
+        }
+        rub(t, c, P, step);
+        c->without[0] = INFINITY; // solved again
+    }
 }
 
 // Takes the velocities over the step off the accelerations, or puts them on.
@@ -162,7 +189,7 @@ void ancf_table_guess(ancf_table* t, double step) {
 // Starts from the guess, in the tangent plane and no larger than friction can be. Returns that bound [N s].
 static double start(ancf_table* t, ancf_contact* c, double step) {
     project(c->friction, c->normal);
-    const double bound = fmax(c->rub.mu_s, c->rub.mu_k) * c->impulse;
+    const double bound = most_of(c);
     const double size = step * sqrt(ancf_dot(c->friction, c->friction)), part = size > bound ? bound / size : 1.0;
     double P[3];
     for (int i = 0; i < 3; i++) {
@@ -172,6 +199,7 @@ static double start(ancf_table* t, ancf_contact* c, double step) {
     rub(t, c, P, step);
     if (!rubs(c)) return 0.0;
     c->own = across(t, c);
+    c->change[0] = c->change[1] = c->change[2] = 0.0;
     c->without[0] = c->without[1] = c->without[2] = INFINITY; // solved once at least
     return bound;
 }
@@ -181,17 +209,26 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     double largest = 0.0, change = 0.0;
     for (int k = first; k < end; ++k) largest = ancf_larger(largest, start(t, &t->contact[contact[k]], step));
-    int sweep = 0, idle = 0;
-    while (largest > 0.0 && sweep < SWEEPS_MAX && idle < 2) {
-        const double before = change;
+    int sweep = 0, since = 0; // the last time that it was led on
+    while (largest > 0.0 && sweep < SWEEPS_MAX) {
+        series s = {0.0, 0.0, 0.0};
         change = 0.0;
         ++sweep;
         for (int k = first; k < end; ++k) {
             ancf_contact* c = &t->contact[contact[k]];
-            if (rubs(c)) change = ancf_larger(change, rub_one(t, c, step, largest, sweep));
+            if (!rubs(c)) continue;
+            double before[3];
+            memcpy(before, c->change, sizeof before);
+            change = ancf_larger(change, rub_one(t, c, step, largest, sweep));
+            s.before += ancf_dot(before, before);
+            s.both += ancf_dot(before, c->change);
+            s.now += ancf_dot(c->change, c->change);
         }
         if (change <= tolerance * tolerance * largest * largest) break;
-        idle = sweep > SWEEPS_SLIDING && change > stalled * stalled * before ? idle + 1 : 0;
+        if (++since < 3 || sweep == SWEEPS_MAX || !(s.both > 0.0) || s.both > slowest * s.before) continue;
+        if (s.now - s.both * s.both / s.before > misfit * misfit * s.now) continue;
+        lead_on(t, g, &s, step);
+        since = 0;
     }
     if (largest > 0.0) *left = ancf_larger(*left, sqrt(change) / largest);
     return sweep;
