@@ -9,7 +9,7 @@
 
 // On Stribeck's falling branch neighbours can free and catch each other without end. After a few sweeps what slides and
 // can, goes on to; after some more each coefficient is as it was then, or less, and there is one solution.
-enum { SWEEPS_FREE = 3, SWEEPS_SLIDING = 8, SWEEPS_MAX = 24 };
+enum { SWEEPS_FREE = 3, SWEEPS_SLIDING = 5, SWEEPS_MAX = 24 };
 
 // Sweeps whose changes go down as a geometric series, to this part of themselves, are led to its sum at once.
 static const double misfit = 0.1, slowest = 0.9999;
