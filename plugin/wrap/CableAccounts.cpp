@@ -168,6 +168,7 @@ void CableEngine::relax(Real tolerance, int iterations) {
                "instead");
     if (const NewtonIntegrator* newton = newtonOf(s)) gravity = newton->gravity;
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
+    loaded = true;
     std::fill_n(model->external, position.size(), 0);
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
     model->track = false;

@@ -31,6 +31,7 @@ class CableEngine : public GlobalEngine {
     vector<int> carrierOfBody;     // (bodies) number in carryNodes of a body that is centred on its knot, or -1
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
     bool anyCoupled = false;
+    bool loaded = true; // forces may stand in model->external
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]

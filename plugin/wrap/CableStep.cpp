@@ -75,6 +75,7 @@ void CableEngine::build() {
     checkBodies();
     touching.reset();
     makeModel();
+    loaded = true;
     mapBodies();
     if (anyCoupled && substeps > 1)
         refuse(text("substeps = ", substeps,
@@ -112,7 +113,8 @@ void CableEngine::holdNodes() {
 
 // Loads on nodes, and what acts on carried bodies by others' engines and laws.
 void CableEngine::gatherForces() {
-    std::fill_n(model->external, position.size(), 0);
+    if (loaded) std::fill_n(model->external, position.size(), 0);
+    loaded = !loadNodes.empty() || anyForces(*scene);
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
     if (!anyForces(*scene)) {
         std::fill(carriedForce.begin(), carriedForce.end(), Vector3r::Zero());

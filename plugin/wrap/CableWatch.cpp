@@ -58,8 +58,10 @@ void CableEngine::checkScene() const {
 
 void CableEngine::checkBodies() const {
     const Scene& s = theScene();
-    for (int e = 0; e < static_cast<int>(elementIds.size()); ++e)
-        if (elementIds[e] >= 0 && !s.bodies->exists(elementIds[e])) elementBody(e); // refuses
+    const BodyContainer& bodies = *s.bodies;
+    const auto size = static_cast<Body::id_t>(bodies.size());
+    for (const Body::id_t& id : elementIds)
+        if (id >= 0 && (id >= size || !bodies[id])) elementBody(static_cast<int>(&id - elementIds.data())); // refuses
     for (size_t i = 0; i < carryIds.size(); ++i)
         if (!s.bodies->exists(carryIds[i]))
             refuse(text("body ", carryIds[i], ", which node ", carryNodes[i],
