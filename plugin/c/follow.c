@@ -90,7 +90,8 @@ static void wake_places(ancf_table* t) {
     for (int i = 0; i < t->n_couplings; ++i) t->place[t->coupling[i].place].idle = false;
 }
 
-void ancf_table_rest(ancf_table* t, const ancf_model* m, double step) {
+void ancf_table_rest(ancf_table* t, const ancf_model* m, double step, double passed) {
+    t->passed = passed;
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         const motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
@@ -123,6 +124,7 @@ static void follow(ancf_table* t, ancf_contact* c, const ancf_model* m, double s
 }
 
 ancf_error ancf_table_go_on(ancf_table* t, const ancf_model* m, const double* velocity, double step) {
+    t->passed += step;
     ancf_table_accelerate(t, m, m->a); // where contacts were
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];

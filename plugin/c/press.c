@@ -306,7 +306,8 @@ static void press_group(ancf_table* t, const ancf_contact_group* g, double h, do
 }
 
 // Moves the arm of the second side on by a time: its end goes with the first side. Positions go through the whole step
-// at velocities that have the accelerations in them; those of the table have them from `until` of it on. Of two cables
+// at velocities that have the accelerations in them; those of the table have them from `until` of it on. Where the step
+// is one of several, bodies' positions go as if they had those of all from the start, for YADE's do. Of two cables
 // the normal turns with the line between their centrelines.
 static void swing(const ancf_table* t, ancf_contact* c, double time, double until) {
     double v[3], a[3], *arm = c->side[1].arm;
@@ -314,6 +315,9 @@ static void swing(const ancf_table* t, ancf_contact* c, double time, double unti
     if (c->side[1].body < 0 && !cables) return;
     ancf_table_going(v, t, c);
     ancf_table_changing(a, t, c);
+    for (int s = 0; s < 2; ++s)
+        if (c->side[s].place < 0 && c->side[s].body >= 0)
+            for (int k = 0; k < 3; k++) v[k] += (s ? 1.0 : -1.0) * t->passed * t->body[c->side[s].body].given[k];
     for (int k = 0; k < 3; k++) arm[k] += time * (v[k] + until * a[k]);
     if (!cables) return;
     const double along = ancf_dot(arm, c->normal), size = copysign(sqrt(ancf_dot(arm, arm)), along);

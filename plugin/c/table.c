@@ -48,6 +48,7 @@ void ancf_table_destroy(ancf_table* t) {
 void ancf_table_clear(ancf_table* t) {
     t->n_places = t->n_bodies = t->n_contacts = t->n_couplings = 0;
     t->slopes = false;
+    t->passed = 0.0;
 }
 
 bool ancf_reserve(void** items, int* room, int n, size_t size) {
@@ -462,12 +463,12 @@ double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const d
     return w > 0.0 ? w : 0.0;
 }
 
-void ancf_table_end(ancf_table* t, double step, double passed) {
+void ancf_table_end(ancf_table* t, double step) {
     for (int i = 0; i < t->n_bodies; ++i) {
         ancf_body* b = &t->body[i];
         for (int c = 0; c < 3; c++) {
-            b->moved[c] += step * (b->before[c] - passed * b->given[c]) + b->shift[c];
-            b->turned[c] += step * (b->before[3 + c] - passed * b->given[3 + c]) + b->turn[c];
+            b->moved[c] += step * (b->before[c] - t->passed * b->given[c]) + b->shift[c];
+            b->turned[c] += step * (b->before[3 + c] - t->passed * b->given[3 + c]) + b->turn[c];
         }
     }
     for (int i = 0; i < t->groups.contacts; ++i) {

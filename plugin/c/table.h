@@ -56,6 +56,7 @@ struct ancf_table {
     int room_scratch;
     double (*slip)[3]; // (n_contacts) before friction [m/s]
     int room_slip;
+    double passed;  // from the middle of the time for which accelerations of bodies are given to that of the step [s]
     bool guessed;   // slip is that of a first guess, at the start of the step
     double left[3]; // what the couples could not balance [N m s]
 };

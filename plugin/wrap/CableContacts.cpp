@@ -35,9 +35,6 @@ namespace {
 
     void outOfMemory() { throw std::bad_alloc(); }
 
-    // From the middle of O.dt to the middle of one of the cable's steps in it [s].
-    Real timeFromMiddle(const ancf_time& time, int step, int steps) { return time.step * (step - .5 * (steps - 1)); }
-
     int added(int number) {
         if (number < 0) outOfMemory();
         return number;
@@ -348,7 +345,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     velocity = after.data();
     way = shift.data();
     if (step == 0) {
-        if (steps > 1) ancf_table_rest(t, m, time.step);
+        if (steps > 1) ancf_table_rest(t, m, time.step, untilFirst);
         if (ancf_table_prepare(t, m, m->free)) outOfMemory();
         ancf_table_accelerate(t, m, m->a);
     } else {
@@ -368,7 +365,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     const int sweeps = ancf_table_rub(t, time.step, &left);
     if (sweeps > 0) ancf_table_couple(t, time.step);
     ancf_table_apply(t, m, time.step, after.data(), shift.data());
-    ancf_table_end(t, time.step, timeFromMiddle(time, step, steps));
+    ancf_table_end(t, time.step);
     cable.contactSteps += needed;
     cable.sweeps = std::max(cable.sweeps, sweeps);
     cable.frictionLeft = std::max(cable.frictionLeft, left);

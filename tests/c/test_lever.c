@@ -240,7 +240,7 @@ static double gained(double speed, bool owes, double* owing) {
         memset(shift, 0, 3 * (size_t)b.stride * sizeof *shift);
         ancf_table_press(t, time.step, ancf_table_substeps(t, time.step, &stiffest));
         ancf_table_apply(t, b.m, time.step, after, shift);
-        ancf_table_end(t, time.step, 0.0);
+        ancf_table_end(t, time.step);
         ancf_correct(b.m, &time, after, shift);
         const ancf_contact* done = ancf_table_contact(t, 0);
         memcpy(late, done->late, sizeof late);

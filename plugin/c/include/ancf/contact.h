@@ -140,16 +140,16 @@ ancf_coupling* ancf_table_coupling(ancf_table* table, int i);
 
 // Leaves those round contacts out, and what is at their places, whose gap is by `margin` larger than what both sides'
 // speeds close in one and a quarter of a step [s]; where the cable takes several steps with what was found for all of
-// them.
-void ancf_table_rest(ancf_table* table, const ancf_model* m, double step);
+// them. `passed`: from the middle of the time of all, for which the accelerations of bodies are given, to that of the
+// first [s].
+void ancf_table_rest(ancf_table* table, const ancf_model* m, double step, double passed);
 
 // Gets ready for a step: velocities of the places from the field `velocity` (3 x stride), and what places do to each
 // other. ANCF_E_MEMORY if there is not enough.
 ancf_error ancf_table_prepare(ancf_table* table, const ancf_model* m, const double* velocity);
 
-// Ends a step: what contacts owe, sums over all steps since the table was filled, and where bodies are. `passed`: from
-// the middle of the time for which the accelerations of bodies are given to the middle of this step [s]; 0 if it is one.
-void ancf_table_end(ancf_table* table, double step, double passed);
+// Ends a step: what contacts owe, sums over all steps since the table was filled, and where bodies are.
+void ancf_table_end(ancf_table* table, double step);
 
 // Goes on with the same contacts into the next step of the cable, of the same length, instead of ancf_table_prepare and
 // ancf_table_accelerate: where sides and gaps are now, and what contacts owe. m->x is where the cable has come to, m->a
