@@ -11,7 +11,8 @@
 // can, goes on to; after some more each coefficient is as it was then, or less, and there is one solution.
 enum { SWEEPS_FREE = 3, SWEEPS_SLIDING = 5, SWEEPS_MAX = 24 };
 
-// Sweeps whose changes go down as a geometric series, to this part of themselves, are led to its sum at once.
+// Where a heavy body holds a light cable and another pulls at it, sweeps change nearly as much as those before: changes
+// that go down as a geometric series, but for a part, are led to its sum at once [Aitken 1926].
 static const double misfit = 0.1, slowest = 0.9999;
 
 // Part of the largest friction impulse below which a sweep's changes end the solve, and a contact is left as it is.

@@ -127,7 +127,6 @@ def test_held_cable_point_does_not_chatter(scene):
     assert max(speeds) < 4e-4 and min(speeds) > 1e-4
 
 
-@pytest.mark.xfail(strict=True, reason="open: 3 % off, limit 2 %")
 def test_halving_the_step_keeps_the_tangential_impulse(scene):
     def impulse(dt):
         O.reset()
