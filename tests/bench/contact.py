@@ -74,7 +74,7 @@ LINE_SPAN, LINE_ELEMENTS = 8, 4  # spheres, elements between two posts
 LINE_SETTLE, LINE_CALM = 0.1, 0.01  # times with and without damping, as above [s]
 LINE_STEPS = 200  # in one go
 
-REPEATS = dict(capture=3, flight=15, grains=9, hanging=9, line=9)
+REPEATS = dict(capture=3, capture3=3, flight=15, grains=9, hanging=9, line=9)
 LIMIT = 3600  # a case may take [s]
 MARK = "result: "
 
@@ -175,9 +175,13 @@ def shotNet(distance, selfContact=True):
     return net
 
 
-def capture(quick):
-    """Whole capture of the study's ball, cables of the net touch each other, in one go."""
+def capture(quick, inside=1):
+    """Whole capture of the study's ball, cables of the net touch each other, in one go; with so many
+    steps of the cables in O.dt.
+    """
     net = shotNet(BALL_DISTANCE)
+    net.engine.substeps = inside
+    O.dt = ancf.timeStep()
     steps = int(np.ceil(DURATION / O.dt))
     cpu, wall = timed(steps)
     yield "CPU time", cpu, "s"
@@ -456,7 +460,7 @@ def line(quick):
 
 # ---- the run -----------------------------------------------------------------------------------
 
-CASES = dict(capture=capture, flight=flight, grains=grains, hanging=hanging, line=line)
+CASES = dict(capture=capture, capture3=lambda quick: capture(quick, 3), flight=flight, grains=grains, hanging=hanging, line=line)
 
 
 def child(name, quick):
@@ -499,11 +503,11 @@ def medians(runs):
 def measure(name, args):
     """Yields (case, rows)."""
     own = [sys.executable, __file__, "--child", name] + ["--quick"] * args.quick
-    if name != "capture":
+    if not name.startswith("capture"):
         yield name, process(own)
         return
     ours, theirs = [], []
-    for _ in range(1 if args.quick else REPEATS["capture"]):
+    for _ in range(1 if args.quick else REPEATS[name]):
         ours.append(process(own))
         if args.peers:
             theirs.append(process([args.peers, "-c", PEER, str(DURATION)]))
@@ -518,7 +522,7 @@ def measure(name, args):
         a, b = ({n: v for n, v, _ in run} for run in (mine, peer))
         for what in times:
             times[what].append(a[what] / b[what])
-    yield "capture / MuJoCo", [[what, statistics.median(r), "-"] for what, r in times.items()]
+    yield f"{name} / MuJoCo", [[what, statistics.median(r), "-"] for what, r in times.items()]
 
 
 def machine():
