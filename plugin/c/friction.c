@@ -119,17 +119,22 @@ static double rub_one(ancf_table* t, ancf_contact* c, double step, double larges
     return ancf_dot(change, change);
 }
 
-// Products of the changes of the last two sweeps.
-typedef struct {
-    double before, both, now;
-} series;
+// How much of its last change is still to come for a contact whose last two changes are terms of a geometric series; 0
+// where they are not.
+static double to_come(const ancf_contact* c) {
+    const double before = ancf_dot(c->former, c->former), both = ancf_dot(c->former, c->change),
+                 now = ancf_dot(c->change, c->change);
+    if (!(both > 0.0) || both > slowest * before || now * before - both * both > misfit * misfit * now * before) return 0.0;
+    return both / (before - both);
+}
 
-// Lets a group's friction go on as the last two sweeps did to where that leads, as far as friction can be.
-static void lead_on(ancf_table* t, const ancf_contact_group* g, const series* s, double step) {
-    const double part = s->both / s->before, more = part / (1.0 - part);
+// Lets frictions of a group go to where the last two sweeps lead, as far as friction can be. False: they lead nowhere.
+static bool lead_on(ancf_table* t, const ancf_contact_group* g, double step) {
+    bool led = false;
     for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
         ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
-        if (!rubs(c) || ancf_dot(c->change, c->change) == 0.0) continue;
+        const double more = rubs(c) ? to_come(c) : 0.0;
+        if (more == 0.0) continue;
         double wanted[3], P[3];
         for (int i = 0; i < 3; i++) wanted[i] = step * c->friction[i] + more * c->change[i];
         const double bound = most_of(c), size = sqrt(ancf_dot(wanted, wanted)), kept = size > bound ? bound / size : 1.0;
@@ -139,7 +144,9 @@ static void lead_on(ancf_table* t, const ancf_contact_group* g, const series* s,
         }
         rub(t, c, P, step);
         c->without[0] = INFINITY; // solved again
+        led = true;
     }
+    return led;
 }
 
 // Takes the velocities over the step off the accelerations, or puts them on.
@@ -212,24 +219,16 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
     for (int k = first; k < end; ++k) largest = ancf_larger(largest, start(t, &t->contact[contact[k]], step));
     int sweep = 0, since = 0; // the last time that it was led on
     while (largest > 0.0 && sweep < SWEEPS_MAX) {
-        series s = {0.0, 0.0, 0.0};
         change = 0.0;
         ++sweep;
         for (int k = first; k < end; ++k) {
             ancf_contact* c = &t->contact[contact[k]];
             if (!rubs(c)) continue;
-            double before[3];
-            memcpy(before, c->change, sizeof before);
+            memcpy(c->former, c->change, sizeof c->former);
             change = ancf_larger(change, rub_one(t, c, step, largest, sweep));
-            s.before += ancf_dot(before, before);
-            s.both += ancf_dot(before, c->change);
-            s.now += ancf_dot(c->change, c->change);
         }
         if (change <= tolerance * tolerance * largest * largest) break;
-        if (++since < 3 || sweep == SWEEPS_MAX || !(s.both > 0.0) || s.both > slowest * s.before) continue;
-        if (s.now - s.both * s.both / s.before > misfit * misfit * s.now) continue;
-        lead_on(t, g, &s, step);
-        since = 0;
+        if (++since >= 3 && sweep < SWEEPS_MAX && lead_on(t, g, step)) since = 0;
     }
     if (largest > 0.0) *left = ancf_larger(*left, sqrt(change) / largest);
     return sweep;

@@ -76,7 +76,7 @@ typedef struct {
     ancf_friction rub;
     double friction[3];    // in: first guess; out: mean force on the first side in this step [N]
     double guess[3];       // what of it acted while the normal forces did [N]
-    double change[3];      // by the last sweep over frictions [N s]
+    double change[3], former[3]; // by the last two sweeps over frictions [N s]
     double without[3];     // slip without its own friction, when that was found [m/s]
     double met;            // velocity along the normal without its own force, when that was found [m/s]
     bool slides;           // faster than the transition velocity of its friction
