@@ -217,7 +217,8 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     double largest = 0.0, change = 0.0;
     for (int k = first; k < end; ++k) largest = ancf_larger(largest, start(t, &t->contact[contact[k]], step));
-    int sweep = 0, since = 0; // the last time that it was led on
+    double last = INFINITY;            // change when it was led on
+    int sweep = 0, since = 0, wait = 3; // sweeps since then, and until next; longer where it did not help
     while (largest > 0.0 && sweep < SWEEPS_MAX) {
         change = 0.0;
         ++sweep;
@@ -228,7 +229,10 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
             change = ancf_larger(change, rub_one(t, c, step, largest, sweep));
         }
         if (change <= tolerance * tolerance * largest * largest) break;
-        if (++since >= 3 && sweep < SWEEPS_MAX && lead_on(t, g, step)) since = 0;
+        if (++since < wait || sweep == SWEEPS_MAX || !lead_on(t, g, step)) continue;
+        if (change > 0.25 * last) wait *= 2;
+        last = change;
+        since = 0;
     }
     if (largest > 0.0) *left = ancf_larger(*left, sqrt(change) / largest);
     return sweep;
