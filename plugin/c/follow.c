@@ -1,5 +1,5 @@
-// Contacts go on into the next step of the cable: what is near was found once, where it touches is found anew from where
-// it was.
+// Contacts go on into the next step of the cable: what is near was found once, where it touches is found anew from
+// where it was.
 #include "ancf/cover.h"
 #include "internal.h"
 #include "lever.h"
@@ -57,8 +57,7 @@ static void slide(ancf_table* t, const ancf_contact* c, const ancf_model* m, dou
 static void look_again(ancf_contact* c, const motion* first, const motion* second, double step) {
     const double radii = c->radius[0] > 0.0 ? c->radius[0] + c->radius[1] : c->round;
     double way[3], opening = 0.0;
-    for (int k = 0; k < 3; k++)
-        way[k] = first->x[k] - second->x[k] + 0.5 * step * (first->v[k] - second->v[k]);
+    for (int k = 0; k < 3; k++) way[k] = first->x[k] - second->x[k] + 0.5 * step * (first->v[k] - second->v[k]);
     const double along = ancf_dot(way, c->normal), distance = copysign(sqrt(ancf_dot(way, way)), along);
     for (int k = 0; k < 3; k++) {
         if (along != 0.0) c->normal[k] = way[k] / distance;

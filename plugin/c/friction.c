@@ -63,9 +63,11 @@ static double across(const ancf_table* t, const ancf_contact* c) {
     return w;
 }
 
-// Slip along a direction by a unit impulse along it [1/kg].
-static double along(const ancf_table* t, const ancf_contact* c, const double direction[3]) {
-    if (ancf_lever_has(c)) return c->own;
+// Slip along a vector by a unit impulse along it [1/kg].
+static double along(const ancf_table* t, const ancf_contact* c, const double vector[3]) {
+    const double size = sqrt(ancf_dot(vector, vector));
+    if (ancf_lever_has(c) || !(size > 0.0)) return c->own;
+    const double direction[3] = {vector[0] / size, vector[1] / size, vector[2] / size};
     double w = 0.0;
     for (int s = 0; s < 2; ++s) {
         if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
@@ -91,14 +93,13 @@ static double coefficient_left(ancf_contact* c, double speed, double beta, int s
 
 // Puts one contact's friction right while the others' stay; returns the square of its change [N2 s2]. Its own part is
 // taken off the velocity, the scalar equation solved along what is left, and the new part put on: where nothing changes
-// any more, the friction belongs to the true velocity, whatever w was: that along the friction of before is the best.
+// any more, the friction belongs to the true velocity, whatever w was. That along the friction of before is the best;
+// with less than the mean over directions sweeps could go too far.
 static double rub_one(ancf_table* t, ancf_contact* c, double step, double largest, int sweep) {
     double v[3], change[3], moved = 0.0;
     slip_of(v, t, c);
     project(v, c->normal);
-    const double size = sqrt(ancf_dot(c->friction, c->friction)), slip = size > 0.0 ? size : sqrt(ancf_dot(v, v));
-    for (int i = 0; i < 3; i++) change[i] = (size > 0.0 ? c->friction[i] : v[i]) / (slip > 0.0 ? slip : 1.0);
-    const double w = slip > 0.0 ? ancf_larger(c->own, along(t, c, change)) : c->own;
+    const double w = ancf_larger(c->own, along(t, c, ancf_dot(c->friction, c->friction) > 0.0 ? c->friction : v));
     for (int i = 0; i < 3; i++) {
         v[i] -= w * step * c->friction[i];
         moved = ancf_larger(moved, fabs(v[i] - c->without[i]));
@@ -124,7 +125,8 @@ static double rub_one(ancf_table* t, ancf_contact* c, double step, double larges
 static double to_come(const ancf_contact* c) {
     const double before = ancf_dot(c->former, c->former), both = ancf_dot(c->former, c->change),
                  now = ancf_dot(c->change, c->change);
-    if (!(both > 0.0) || both > slowest * before || now * before - both * both > misfit * misfit * now * before) return 0.0;
+    if (!(both > 0.0) || both > slowest * before || now * before - both * both > misfit * misfit * now * before)
+        return 0.0;
     return both / (before - both);
 }
 
@@ -137,7 +139,8 @@ static bool lead_on(ancf_table* t, const ancf_contact_group* g, double step) {
         if (more == 0.0) continue;
         double wanted[3], P[3];
         for (int i = 0; i < 3; i++) wanted[i] = step * c->friction[i] + more * c->change[i];
-        const double bound = most_of(c), size = sqrt(ancf_dot(wanted, wanted)), kept = size > bound ? bound / size : 1.0;
+        const double bound = most_of(c), size = sqrt(ancf_dot(wanted, wanted)),
+                     kept = size > bound ? bound / size : 1.0;
         for (int i = 0; i < 3; i++) {
             P[i] = kept * wanted[i] - step * c->friction[i];
             c->friction[i] = kept * wanted[i] / step;
@@ -217,7 +220,7 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     double largest = 0.0, change = 0.0;
     for (int k = first; k < end; ++k) largest = ancf_larger(largest, start(t, &t->contact[contact[k]], step));
-    double last = INFINITY;            // change when it was led on
+    double last = INFINITY;             // change when it was led on
     int sweep = 0, since = 0, wait = 3; // sweeps since then, and until next; longer where it did not help
     while (largest > 0.0 && sweep < SWEEPS_MAX) {
         change = 0.0;

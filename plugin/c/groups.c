@@ -78,7 +78,8 @@ static void unite_all(ancf_groups* g, const ancf_table* t) {
         const int node = node_of(t, c);
         for (int s = 0; s < 2; ++s) {
             if (c->side[s].place >= 0) unite(g, node, c->side[s].place);
-            if (c->side[s].body >= 0 && ancf_body_moves(&t->body[c->side[s].body])) unite(g, node, t->n_places + c->side[s].body);
+            if (c->side[s].body >= 0 && ancf_body_moves(&t->body[c->side[s].body]))
+                unite(g, node, t->n_places + c->side[s].body);
         }
     }
     for (int i = 0; i < t->n_couplings; ++i) { // solved together

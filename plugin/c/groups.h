@@ -23,12 +23,12 @@ typedef struct {
     // itself among them [1/kg].
     int *first, *other;
     double* effect;
-    int *root, *number;                                                     // (places, then bodies): scratch, group
-    int *head, *next;                                                       // sides of contacts at a place
-    double* sum;                                                            // (contacts)
-    int* touched;                                                           // (contacts)
-    int room_group, room_list[ANCF_ITEMS], room_first, room_other, room_effect; // sizes of the arrays
-    int room_root, room_number, room_head, room_next, room_sum, room_touched;
+    // Scratch: tree and number of the group of places, then bodies; sides of contacts at a place; sums by contact.
+    int *root, *number, *head, *next, *touched;
+    double* sum;
+    // Sizes of the arrays.
+    int room_group, room_list[ANCF_ITEMS], room_first, room_other, room_effect;
+    int room_root, room_number, room_head, room_next, room_touched, room_sum;
 } ancf_groups;
 
 void ancf_groups_free(ancf_groups* groups);

@@ -223,8 +223,7 @@ static void forget_uses(ancf_table* t) {
 static void start_place(ancf_table* t, ancf_place* p, const ancf_model* m, const double* velocity) {
     ancf_value_of(p->velocity, p->dof, p->S, m, velocity);
     if (t->slopes) ancf_value_of(p->bending, p->dof, p->T, m, velocity);
-    for (int c = 0; c < 3; c++)
-        p->impulse[c] = p->couple[c] = p->moment[c] = p->acceleration[c] = p->bends[c] = 0.0;
+    for (int c = 0; c < 3; c++) p->impulse[c] = p->couple[c] = p->moment[c] = p->acceleration[c] = p->bends[c] = 0.0;
 }
 
 static void start_body(ancf_body* b) {
@@ -324,8 +323,7 @@ void ancf_table_speed_up_group(ancf_table* t, const ancf_contact_group* group, d
     const int *places = t->groups.list[ANCF_PLACES], *bodies = t->groups.list[ANCF_BODIES];
     for (int i = group->first[ANCF_PLACES]; i < group->end[ANCF_PLACES]; ++i)
         speed_up_place(&t->place[places[i]], time);
-    for (int i = group->first[ANCF_BODIES]; i < group->end[ANCF_BODIES]; ++i)
-        speed_up_body(&t->body[bodies[i]], time);
+    for (int i = group->first[ANCF_BODIES]; i < group->end[ANCF_BODIES]; ++i) speed_up_body(&t->body[bodies[i]], time);
 }
 
 void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest) {

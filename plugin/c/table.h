@@ -17,11 +17,11 @@ typedef struct {
 
 // One contact among others in a sub-step. Signs are those of an impulse along the normal.
 typedef struct {
-    double pushed;             // velocity along the normal since the sub-step began, but by bodies [m/s]
+    double pushed; // velocity along the normal since the sub-step began, but by bodies [m/s]
     double normal[3];
-    int body[2];               // that move, or -1
-    double along[2][6];        // velocity along the normal by their velocity and spin [-], [m]
-    double answer[2][6];       // velocity and spin by a unit impulse [1/kg], [1/(kg m)]
+    int body[2];         // that move, or -1
+    double along[2][6];  // velocity along the normal by their velocity and spin [-], [m]
+    double answer[2][6]; // velocity and spin by a unit impulse [1/kg], [1/(kg m)]
 } ancf_push;
 
 struct ancf_table {
@@ -51,7 +51,7 @@ struct ancf_table {
     ancf_groups groups;
     ancf_push* push; // (n_contacts)
     int room_push;
-    int most;                // sub-steps of the group that needs most; -1: not asked
+    int most;             // sub-steps of the group that needs most; -1: not asked
     double (*scratch)[3]; // (4 n_couplings) for conjugate gradients
     int room_scratch;
     double (*slip)[3]; // (n_contacts) before friction [m/s]

@@ -31,7 +31,7 @@ class CableContacts {
     struct Entry { // of a body in the table
         Body::id_t id;
         Vector3r spinBefore; // as it would turn without the table [rad/s]
-        int carrier;                 // number in carryNodes where it moves with its knot, or -1
+        int carrier;         // number in carryNodes where it moves with its knot, or -1
     };
     struct Row { // of a contact of YADE's in the table: its places are the contacts begin .. end-1
         CableGeom* geom;
@@ -76,7 +76,7 @@ public:
     void reset(); // the model is gone
     void build(CableEngine& cable);
 
-    void gather(CableEngine& cable, int steps); // that the cable takes in O.dt
+    void gather(CableEngine& cable, int steps);                                 // that the cable takes in O.dt
     void solve(CableEngine& cable, const ancf_time& time, int step, int steps); // one of the cable's in O.dt
     void give(CableEngine& cable, const ancf_time& time);
     void look(CableEngine& cable);                             // after the step: do the boxes hold?

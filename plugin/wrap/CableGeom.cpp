@@ -141,7 +141,8 @@ namespace {
             const Real reach = stepsAhead * scene.dt * speed + marginAhead * cover.radius;
             n = ancf_cover_touch(found.data(), &cover, &cubic, &solid, reach);
         }
-        return accept(contact, found.data(), n, radius > 0 ? radius : cover.radius, cover.radius, solid.kind == ANCF_BALL);
+        return accept(contact, found.data(), n, radius > 0 ? radius : cover.radius, cover.radius,
+                      solid.kind == ANCF_BALL);
     }
 
     bool nearSphere(const Scene& scene, const ancf_solid& solid, const State& state, Real radius, const Shape& shape2,

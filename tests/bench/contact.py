@@ -460,7 +460,14 @@ def line(quick):
 
 # ---- the run -----------------------------------------------------------------------------------
 
-CASES = dict(capture=capture, capture3=lambda quick: capture(quick, 3), flight=flight, grains=grains, hanging=hanging, line=line)
+CASES = dict(
+    capture=capture,
+    capture3=lambda quick: capture(quick, 3),
+    flight=flight,
+    grains=grains,
+    hanging=hanging,
+    line=line,
+)
 
 
 def child(name, quick):

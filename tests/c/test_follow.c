@@ -1,5 +1,5 @@
-// Contacts that are found once for several steps of the cable: a free cable and a ball that spins and is pushed hit each
-// other, rub and part.
+// Contacts that are found once for several steps of the cable: a free cable and a ball that spins and is pushed hit
+// each other, rub and part.
 #include "touch.h"
 
 #include "ancf/cover.h"
@@ -164,13 +164,12 @@ static void found_once_is_found_always(void** state) {
     assert_true(always.steps >= 4 && always.spin[1] < 59.6 && always.pressed > 5e-4);
     for (int steps = 1; steps <= STEPS_MAX; ++steps) {
         const outcome o = collide(steps);
-        print_message("%d steps: off %.1e and %.1e, velocity %.6f %.6f %.6f, spin %.5f, impulse %.6g\n", steps, o.off[0],
-                      o.off[1], o.velocity[0], o.velocity[1], o.velocity[2], o.spin[1], o.pressed);
+        print_message("%d steps: off %.1e and %.1e, velocity %.6f %.6f %.6f, spin %.5f, impulse %.6g\n", steps,
+                      o.off[0], o.off[1], o.velocity[0], o.velocity[1], o.velocity[2], o.spin[1], o.pressed);
         assert_true(o.off[0] < 1e-13 && o.off[1] < 1e-13);
         const double apart = 1e-3 * (steps * steps - 1.0);
         assert_close(o.pressed, always.pressed, apart);
-        for (int i = 0; i < 3; ++i)
-            assert_near(o.velocity[i], always.velocity[i], apart * always.pressed / ball_mass);
+        for (int i = 0; i < 3; ++i) assert_near(o.velocity[i], always.velocity[i], apart * always.pressed / ball_mass);
         assert_near(o.spin[1], always.spin[1], apart * (60.0 - always.spin[1]));
     }
 }

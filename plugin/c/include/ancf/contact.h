@@ -74,38 +74,38 @@ typedef struct {
     double gap;       // in: at the start [m]; out: as the sub-steps leave it
     ancf_normal law;
     ancf_friction rub;
-    double friction[3];    // in: first guess; out: mean force on the first side in this step [N]
-    double guess[3];       // what of it acted while the normal forces did [N]
+    double friction[3];          // in: first guess; out: mean force on the first side in this step [N]
+    double guess[3];             // what of it acted while the normal forces did [N]
     double change[3], former[3]; // by the last two sweeps over frictions [N s]
-    double without[3];     // slip without its own friction, when that was found [m/s]
-    double met;            // velocity along the normal without its own force, when that was found [m/s]
-    bool slides;           // faster than the transition velocity of its friction
-    double most;           // coefficient of friction that it had where it slid, or can have where it stuck [-]
-    double impulse;        // of the normal force in this step, >= 0 [N s]
-    double depth;          // deepest penetration since the table was filled [m]
-    double pressed[3];     // normal impulse on the first side since then [N s]
-    double dragged[3];     // and that of friction [N s]
-    double force, before;  // normal force of a sub-step, and the last that was found [N]
-    double kicked;         // part of `force` that has moved what it acts on [N]
-    double energy;         // elastic energy at the start of a sub-step, in the end of the step [J]
-    double damped;         // taken out by its damping since the table was filled [J]
-    double rubbed;         // and by its friction [J]
-    double own;            // velocity along the normal by a unit impulse along it [1/kg]
-    double speed, elastic; // of the sub-step [m/s], [N]
-    double owed;           // work that it did too much, in: in steps before, out: in all, see ancf_table_owe [J]
-    double repaid;         // part of `force` that gives it back [N]
-    double changing[3];    // acceleration of the first side against the second without what is in the table [m/s2]
-    double start[3];       // arm of the second side at the start [m]
-    double margin;         // see ancf_table_rest [m]
-    bool idle;             // too far to touch in this step
-    double within[2];      // part of the first side's element on which its place moves; one point if it does not
-    double round;          // distance of the first side's place from the second's position where they touch [m]; 0: flat
-    double radius[2];      // of two cables: how far from their centrelines they touch; else 0 [m]
-    double lever[9];       // turning by a moment, see lever.c [1/m]
-    double line[3];        // normal in the middle of the step
-    double balanced[3];    // moment of normal impulses that friction has added and couples balance [N m s]
-    double going[3];       // velocity of the first side's place or position against the second's before friction [m/s]
-    double late[3];        // normal impulse, each part times the time from the start of the step to it [N s2]
+    double without[3];           // slip without its own friction, when that was found [m/s]
+    double met;                  // velocity along the normal without its own force, when that was found [m/s]
+    bool slides;                 // faster than the transition velocity of its friction
+    double most;                 // coefficient of friction that it had where it slid, or can have where it stuck [-]
+    double impulse;              // of the normal force in this step, >= 0 [N s]
+    double depth;                // deepest penetration since the table was filled [m]
+    double pressed[3];           // normal impulse on the first side since then [N s]
+    double dragged[3];           // and that of friction [N s]
+    double force, before;        // normal force of a sub-step, and the last that was found [N]
+    double kicked;               // part of `force` that has moved what it acts on [N]
+    double energy;               // elastic energy at the start of a sub-step, in the end of the step [J]
+    double damped;               // taken out by its damping since the table was filled [J]
+    double rubbed;               // and by its friction [J]
+    double own;                  // velocity along the normal by a unit impulse along it [1/kg]
+    double speed, elastic;       // of the sub-step [m/s], [N]
+    double owed;                 // work that it did too much, in: in steps before, out: in all, see ancf_table_owe [J]
+    double repaid;               // part of `force` that gives it back [N]
+    double changing[3]; // acceleration of the first side against the second without what is in the table [m/s2]
+    double start[3];    // arm of the second side at the start [m]
+    double margin;      // see ancf_table_rest [m]
+    bool idle;          // too far to touch in this step
+    double within[2];   // part of the first side's element on which its place moves; one point if it does not
+    double round;       // distance of the first side's place from the second's position where they touch [m]; 0: flat
+    double radius[2];   // of two cables: how far from their centrelines they touch; else 0 [m]
+    double lever[9];    // turning by a moment, see lever.c [1/m]
+    double line[3];     // normal in the middle of the step
+    double balanced[3]; // moment of normal impulses that friction has added and couples balance [N m s]
+    double going[3];    // velocity of the first side's place or position against the second's before friction [m/s]
+    double late[3];     // normal impulse, each part times the time from the start of the step to it [N s2]
 } ancf_contact;
 
 // A knot that goes on together with a point of a body (Eq. 5, multipliers solved for).
