@@ -60,7 +60,7 @@ GRAIN_NET = dict(meshes=20, diameter=1e-3)
 GRAINS, GRAIN_RADII = 300, (1.2, 2.0)  # -, in half meshes
 HANGING_NET = dict(meshes=12, diameter=2e-3)
 HANGING, HANGING_RADII = 2000, (1.2, 1.4)  # a heap of some 20 layers
-SETTLE, SETTLE_DAMPING = 1.5, 0.3  # time with NewtonIntegrator.damping [s], -
+SETTLE, SETTLE_DAMPING = 2.0, 0.3  # time with NewtonIntegrator.damping [s], -
 CALM = 0.02  # time without, before the clock starts [s]
 STILL = 0.02  # median speed of grains at rest; single ones still find their places [m/s]
 DEEPEST = 0.5  # the heap never hangs so deep [m]
