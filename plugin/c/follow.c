@@ -74,9 +74,11 @@ static bool too_far(const ancf_contact* c, const motion* first, const motion* se
     return c->gap > 1.25 * step * (sqrt(ancf_dot(v, v)) + sqrt(ancf_dot(u, u))) + c->margin;
 }
 
-static void idle(ancf_contact* c) {
-    c->idle = true;
-    for (int k = 0; k < 3; k++) c->friction[k] = 0.0;
+// Leaves it out of the step if it is. What is apart forgets friction.
+static bool leave_out(ancf_contact* c, const motion* first, const motion* second, double step) {
+    c->idle = too_far(c, first, second, step);
+    for (int k = 0; k < 3 && c->idle; k++) c->friction[k] = 0.0;
+    return c->idle;
 }
 
 // Places of contacts that are not idle, and of couplings, are not.
@@ -94,30 +96,30 @@ void ancf_table_rest(ancf_table* t, const ancf_model* m, double step, double pas
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
         const motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
-        if (is_round(c) && too_far(c, &first, &second, step)) idle(c);
+        if (is_round(c)) leave_out(c, &first, &second, step);
     }
     wake_places(t);
 }
 
 static void follow(ancf_table* t, ancf_contact* c, const ancf_model* m, double step) {
-    const bool cables = c->radius[0] > 0.0, round = is_round(c), carried = c->side[0].body >= 0;
-    if (round) {
-        const motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
+    const bool carried = c->side[0].body >= 0, slides = c->radius[0] > 0.0 || c->within[0] < c->within[1];
+    motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
+    if (is_round(c)) {
         look_again(c, &first, &second, step);
-        c->idle = false;
-        if (too_far(c, &first, &second, step)) {
-            idle(c);
-            return;
+        if (leave_out(c, &first, &second, step)) return;
+        if (!carried && slides) {
+            slide(t, c, m, step);
+            first = motion_of(t, &c->side[0], m);
+            second = motion_of(t, &c->side[1], m);
+            look_again(c, &first, &second, step);
         }
+    } else {
+        c->gap += step * (ancf_table_opening(t, c) - c->speed); // friction, which came last, has moved it too
     }
-    if (!round) c->gap += step * (ancf_table_opening(t, c) - c->speed); // friction, which came last, has moved it too
-    if (round && !carried && (cables || c->within[0] < c->within[1])) slide(t, c, m, step);
-    const motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
-    if (round) look_again(c, &first, &second, step);
     double* out = c->side[0].arm; // to the surface of what is carried
     const double size = sqrt(ancf_dot(out, out));
     for (int k = 0; k < 3; k++) {
-        if (round && carried) out[k] = -size * c->normal[k];
+        if (is_round(c) && carried) out[k] = -size * c->normal[k];
         c->side[1].arm[k] = first.x[k] + (carried ? out[k] : 0.0) - second.x[k];
     }
 }
