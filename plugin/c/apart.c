@@ -165,29 +165,14 @@ static bool between_chords(double axis[3], const ancf_cubic* first, int i, int n
 
 // ---------------------------------------------------------------- windows
 
-// Room for one more.
-static bool grow(void** array, int n, int* room, size_t size) {
-    if (n < *room) return true;
-    const int more = *room ? 2 * *room : 64;
-    void* grown = realloc(*array, (size_t)more * size);
-    if (!grown) return false;
-    *array = grown;
-    *room = more;
-    return true;
-}
-
 static bool add_pair(list* l, const pair* p) {
-    void* array = l->pair;
-    const bool enough = grow(&array, l->n_pairs, &l->room_pairs, sizeof *p);
-    l->pair = array;
+    const bool enough = ancf_reserve((void**)&l->pair, &l->room_pairs, l->n_pairs + 1, sizeof *p);
     if (enough) l->pair[l->n_pairs++] = *p;
     return enough;
 }
 
 static bool add_window(list* l, const window* w) {
-    void* array = l->window;
-    const bool enough = grow(&array, l->n_windows, &l->room_windows, sizeof *w);
-    l->window = array;
+    const bool enough = ancf_reserve((void**)&l->window, &l->room_windows, l->n_windows + 1, sizeof *w);
     if (enough) l->window[l->n_windows++] = *w;
     return enough;
 }

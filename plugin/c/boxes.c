@@ -156,19 +156,11 @@ static bool overlap(const ancf_box* p, const ancf_box* q) {
     return true;
 }
 
-static bool grow(ancf_meeting** array, int room) {
-    ancf_meeting* grown = realloc(*array, (size_t)room * sizeof *grown);
-    if (!grown) return false;
-    *array = grown;
-    return true;
-}
-
 static bool add_meeting(ancf_boxes* b, int e, int f) {
-    if (b->n_meetings == b->room_meetings) {
-        const int room = b->room_meetings ? 2 * b->room_meetings : 64;
-        if (!grow(&b->meeting, room) || !grow(&b->spare, room)) return false;
-        b->room_meetings = room;
-    }
+    int room = b->room_meetings;
+    if (!ancf_reserve((void**)&b->spare, &room, b->n_meetings + 1, sizeof *b->spare) ||
+        !ancf_reserve((void**)&b->meeting, &b->room_meetings, b->n_meetings + 1, sizeof *b->meeting))
+        return false;
     b->meeting[b->n_meetings++] = (ancf_meeting) {.first = e < f ? e : f, .second = e < f ? f : e};
     return true;
 }

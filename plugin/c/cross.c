@@ -58,9 +58,9 @@ static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const anc
         if (place < 0) return -1;
         c.side[s] = (ancf_side) {.place = place, .body = -1};
         c.radius[s] = cover[e[s]].radius;
-        c.margin = 0.05 * c.radius[s];
         ancf_model_at(x[s], m, m->x, e[s], at->xi[s]);
     }
+    c.margin = ancf_apart_reach(&cover[e[0]], &cover[e[1]], step, 0.0);
     for (int i = 0; i < 3; i++) c.side[1].arm[i] = x[0][i] - x[1][i];
     for (int k = 0; k < 2; ++k) c.within[k] = (double)(at->segment + k) / cover[e[0]].segments;
     memcpy(c.normal, at->normal, sizeof c.normal);

@@ -63,17 +63,12 @@ static double across(const ancf_table* t, const ancf_contact* c) {
     return w;
 }
 
-// Slip along a vector by a unit impulse along it [1/kg].
+// The same along a vector, but no less than that mean, with which sweeps could go too far.
 static double along(const ancf_table* t, const ancf_contact* c, const double vector[3]) {
     const double size = sqrt(ancf_dot(vector, vector));
     if (ancf_lever_has(c) || !(size > 0.0)) return c->own;
     const double direction[3] = {vector[0] / size, vector[1] / size, vector[2] / size};
-    double w = 0.0;
-    for (int s = 0; s < 2; ++s) {
-        if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
-        if (c->side[s].body >= 0) w += ancf_body_compliance(&t->body[c->side[s].body], c->side[s].arm, direction);
-    }
-    return w;
+    return ancf_larger(c->own, ancf_table_compliance(t, c, direction));
 }
 
 static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind != ANCF_FRICTION_NONE; }
@@ -93,13 +88,12 @@ static double coefficient_left(ancf_contact* c, double speed, double beta, int s
 
 // Puts one contact's friction right while the others' stay; returns the square of its change [N2 s2]. Its own part is
 // taken off the velocity, the scalar equation solved along what is left, and the new part put on: where nothing changes
-// any more, the friction belongs to the true velocity, whatever w was. That along the friction of before is the best;
-// with less than the mean over directions sweeps could go too far.
+// any more, the friction belongs to the true velocity, whatever w was.
 static double rub_one(ancf_table* t, ancf_contact* c, double step, double largest, int sweep) {
     double v[3], change[3], moved = 0.0;
     slip_of(v, t, c);
     project(v, c->normal);
-    const double w = ancf_larger(c->own, along(t, c, ancf_dot(c->friction, c->friction) > 0.0 ? c->friction : v));
+    const double w = along(t, c, ancf_dot(c->friction, c->friction) > 0.0 ? c->friction : v);
     for (int i = 0; i < 3; i++) {
         v[i] -= w * step * c->friction[i];
         moved = ancf_larger(moved, fabs(v[i] - c->without[i]));

@@ -4,6 +4,8 @@
 
 #include "ancf/model.h"
 
+#include <stddef.h>
+
 // One build of a kernel for each instruction set, chosen at run time. Not under a sanitizer, which is not up yet when
 // the choice is made.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
@@ -12,6 +14,9 @@
 #define ANCF_CLONES
 #endif
 #define ANCF_INLINE static inline __attribute__((always_inline))
+
+// Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
+bool ancf_reserve(void** items, int* room, int n, size_t size);
 
 // Upper triangles, row by row, of the integrals of w w^T over an element, w = (a2, b2, c2, 2ab, 2ac, 2bc) of the slope
 // weights (a, b, c): exact, and by 3 Gauss points.

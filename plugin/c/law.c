@@ -139,6 +139,12 @@ static double solve_between(const ancf_friction* law, double s, double b, double
     return s;
 }
 
+// The root on the ramp.
+static double stick_root(const ancf_friction* law, double b, double speed) {
+    const double first = speed / (1.0 + b * stribeck(law, 0.0)), hi = speed < 1.0 ? speed : 1.0;
+    return solve_between(law, first < hi ? first : hi, b, speed, 0.0, hi, true);
+}
+
 // The largest root beyond the ramp, or 0: none. There g is convex, so that Newton's steps come down to it from above.
 static double slide_root(const ancf_friction* law, double b, double speed) {
     double s = speed;
@@ -160,9 +166,7 @@ static double solve_hollars(const ancf_friction* law, double speed, double beta,
     const double root = stick && slides ? slide_root(law, b, s) : 0.0;
     if (root > 1.0) return law->v0 * root;
     if (!stick) return law->v0 * solve_between(law, s, b, s, 1.0, s, false);
-    const double first = s / (1.0 + b * stribeck(law, 0.0));
-    const double hi = s < 1.0 ? s : 1.0;
-    return law->v0 * solve_between(law, first < hi ? first : hi, b, s, 0.0, hi, true);
+    return law->v0 * stick_root(law, b, s);
 }
 
 double ancf_friction_solve(const ancf_friction* law, double speed, double beta, bool slides) {
@@ -182,9 +186,6 @@ double ancf_friction_settle(const ancf_friction* law, double speed, double beta,
     if (law->kind != ANCF_FRICTION_HOLLARS)
         return ancf_friction_coefficient(law, ancf_friction_solve(law, speed, beta, false));
     if (speed - beta * most >= law->v0) return most;
-    const double s = speed / law->v0, b = beta / law->v0, hi = s < 1.0 ? s : 1.0,
-                 first = s / (1.0 + b * stribeck(law, 0.0));
-    const double root = solve_between(law, first < hi ? first : hi, b, s, 0.0, hi, true);
-    const double coefficient = root * stribeck(law, root);
+    const double root = stick_root(law, beta / law->v0, speed / law->v0), coefficient = root * stribeck(law, root);
     return coefficient < most ? coefficient : most;
 }

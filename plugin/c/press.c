@@ -200,15 +200,13 @@ static void join(ancf_table* t, int i) {
         ancf_body* b = &t->body[c->side[s].body];
         if (!ancf_body_moves(b)) continue;
         push->body[s] = c->side[s].body;
-        double *along = push->along[s], *answer = push->answer[s];
+        double* along = push->along[s];
         for (int k = 0; k < 3; k++) {
             along[k] = s ? -c->normal[k] : c->normal[k];
             b->pushed[k] = b->pushed[3 + k] = 0.0;
         }
         ancf_cross(along + 3, c->side[s].arm, along);
-        ancf_multiply(answer + 3, b->inv_inertia, along + 3);
-        const double guided = ancf_dot(b->along, along);
-        for (int k = 0; k < 3; k++) answer[k] = b->inv_mass[k] * along[k] + guided * b->along[k];
+        ancf_body_answer(push->answer[s], b, along, along + 3);
     }
 }
 

@@ -51,16 +51,6 @@ void ancf_table_clear(ancf_table* t) {
     t->passed = 0.0;
 }
 
-bool ancf_reserve(void** items, int* room, int n, size_t size) {
-    if (n <= *room) return true;
-    const int wanted = n > *room + *room / 2 ? n : *room + *room / 2;
-    void* grown = realloc(*items, (size_t)wanted * size);
-    if (!grown) return false;
-    *items = grown;
-    *room = wanted;
-    return true;
-}
-
 static int add(void** items, int* n, int* room, const void* item, size_t size) {
     if (!ancf_reserve(items, room, *n + 1 < 16 ? 16 : *n + 1, size)) return -1;
     memcpy((char*)*items + (size_t)*n * size, item, size);
@@ -356,16 +346,14 @@ void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3]) {
 
 void ancf_table_kick_body(ancf_table* t, int body, const double arm[3], const double impulse[3], double rest) {
     ancf_body* b = &t->body[body];
-    double twist[3], spin[3];
+    double twist[3], answer[6];
     ancf_cross(twist, arm, impulse);
-    ancf_multiply(spin, b->inv_inertia, twist);
-    const double guided = ancf_dot(b->along, impulse);
+    ancf_body_answer(answer, b, impulse, twist);
     for (int c = 0; c < 3; c++) {
-        const double dv = b->inv_mass[c] * impulse[c] + guided * b->along[c];
-        b->velocity[c] += dv;
-        b->spin[c] += spin[c];
-        b->shift[c] += rest * dv;
-        b->turn[c] += rest * spin[c];
+        b->velocity[c] += answer[c];
+        b->spin[c] += answer[3 + c];
+        b->shift[c] += rest * answer[c];
+        b->turn[c] += rest * answer[3 + c];
         b->impulse[c] += impulse[c];
         b->twist[c] += twist[c];
     }
@@ -401,6 +389,12 @@ static bool nonzero(const double* v, int n) {
     return false;
 }
 
+void ancf_body_answer(double answer[6], const ancf_body* b, const double impulse[3], const double twist[3]) {
+    const double guided = ancf_dot(b->along, impulse);
+    for (int c = 0; c < 3; c++) answer[c] = b->inv_mass[c] * impulse[c] + guided * b->along[c];
+    ancf_multiply(answer + 3, b->inv_inertia, twist);
+}
+
 bool ancf_body_moves(const ancf_body* b) {
     return nonzero(b->inv_mass, 3) || nonzero(b->inv_inertia, 9) || nonzero(b->along, 3) ||
            nonzero(b->acceleration, 3) || nonzero(b->turning, 3);
@@ -434,14 +428,11 @@ void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c
     for (int i = 0; i < 3; i++) a[i] = there[i] - here[i];
 }
 
-double ancf_body_compliance(const ancf_body* b, const double arm[3], const double direction[3]) {
-    double twist[3], spin[3];
+static double body_compliance(const ancf_body* b, const double arm[3], const double direction[3]) {
+    double twist[3], answer[6];
     ancf_cross(twist, arm, direction);
-    ancf_multiply(spin, b->inv_inertia, twist);
-    const double guided = ancf_dot(b->along, direction);
-    double w = ancf_dot(twist, spin) + guided * guided;
-    for (int i = 0; i < 3; i++) w += b->inv_mass[i] * direction[i] * direction[i];
-    return w;
+    ancf_body_answer(answer, b, direction, twist);
+    return ancf_dot(answer, direction) + ancf_dot(answer + 3, twist);
 }
 
 ancf_effects ancf_table_effects(const ancf_table* t, int from, int to) {
@@ -454,7 +445,7 @@ double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const d
     double w = 0.0;
     for (int s = 0; s < 2; ++s) {
         if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
-        if (c->side[s].body >= 0) w += ancf_body_compliance(&t->body[c->side[s].body], c->side[s].arm, direction);
+        if (c->side[s].body >= 0) w += body_compliance(&t->body[c->side[s].body], c->side[s].arm, direction);
     }
     if (c->side[0].place >= 0 && c->side[1].place >= 0)
         w -= 2.0 * ancf_table_effects(t, c->side[0].place, c->side[1].place).effect;

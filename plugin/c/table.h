@@ -4,6 +4,7 @@
 
 #include "ancf/contact.h"
 #include "groups.h"
+#include "internal.h"
 
 // Velocity of the other's slope by an impulse, of the other by an impulse on the slope, and of slope by slope [1/kg].
 typedef struct {
@@ -81,9 +82,6 @@ static inline void ancf_body_velocity(double v[3], const ancf_body* b, const dou
 
 static inline double ancf_larger(double a, double b) { return a > b ? a : b; }
 
-// Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
-bool ancf_reserve(void** items, int* room, int n, size_t size);
-
 // Sum of a field's values at an element's unknowns, with weights.
 void ancf_value_of(double value[3], const int dof[4], const double weight[4], const ancf_model* m, const double* field);
 
@@ -97,6 +95,9 @@ void ancf_table_kick_body(ancf_table* t, int body, const double arm[3], const do
 
 // And to both sides of a contact.
 void ancf_table_kick(ancf_table* t, const ancf_contact* c, const double impulse[3], double rest);
+
+// Velocity and spin of a body by an impulse and its twist [m/s], [rad/s].
+void ancf_body_answer(double answer[6], const ancf_body* b, const double impulse[3], const double twist[3]);
 
 // Whether it does in the step: one that stands still ties no contacts together.
 bool ancf_body_moves(const ancf_body* b);
@@ -115,9 +116,6 @@ double ancf_table_opening(const ancf_table* t, const ancf_contact* c);
 
 // What one place does to another.
 ancf_effects ancf_table_effects(const ancf_table* t, int from, int to);
-
-// Velocity of a body's point along a unit vector by a unit impulse along it [1/kg].
-double ancf_body_compliance(const ancf_body* b, const double arm[3], const double direction[3]);
 
 // Velocity at a side by a unit impulse along a unit vector at it, along that vector [1/kg].
 double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const double direction[3]);

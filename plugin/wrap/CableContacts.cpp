@@ -348,8 +348,8 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
         if (steps > 1) ancf_table_rest(t, m, time.step, untilFirst);
         if (ancf_table_prepare(t, m, m->free)) outOfMemory();
         ancf_table_accelerate(t, m, m->a);
-    } else {
-        if (ancf_table_go_on(t, m, m->free, time.step)) outOfMemory();
+    } else if (ancf_table_go_on(t, m, m->free, time.step)) {
+        outOfMemory();
     }
     ancf_table_guess(t, time.step);
     ancf_table_couple(t, time.step);

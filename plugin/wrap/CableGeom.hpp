@@ -21,7 +21,7 @@ bool solidOf(ancf_solid& solid, const Body& body);
 
 class CableGeom : public GenericSpheresContact {
 public:
-    bool ball = false; // the first body is a sphere; true within the step
+    bool ball = false; // whether the first body is a sphere; set where places are found
     // Takes the places as found now; friction of those that were there before is kept.
     void set(const ancf_nearest* found, int n);
 

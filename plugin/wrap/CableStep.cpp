@@ -113,10 +113,11 @@ void CableEngine::holdNodes() {
 
 // Loads on nodes, and what acts on carried bodies by others' engines and laws.
 void CableEngine::gatherForces() {
+    const bool forces = anyForces(*scene);
     if (loaded) std::fill_n(model->external, position.size(), 0);
-    loaded = !loadNodes.empty() || anyForces(*scene);
+    loaded = !loadNodes.empty() || forces;
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
-    if (!anyForces(*scene)) {
+    if (!forces) {
         std::fill(carriedForce.begin(), carriedForce.end(), Vector3r::Zero());
         return;
     }

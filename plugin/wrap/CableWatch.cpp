@@ -60,8 +60,10 @@ void CableEngine::checkBodies() const {
     const Scene& s = theScene();
     const BodyContainer& bodies = *s.bodies;
     const auto size = static_cast<Body::id_t>(bodies.size());
-    for (const Body::id_t& id : elementIds)
-        if (id >= 0 && (id >= size || !bodies[id])) elementBody(static_cast<int>(&id - elementIds.data())); // refuses
+    for (int e = 0; e < static_cast<int>(elementIds.size()); ++e) {
+        const Body::id_t id = elementIds[e];
+        if (id >= 0 && (id >= size || !bodies[id])) elementBody(e); // refuses
+    }
     for (size_t i = 0; i < carryIds.size(); ++i)
         if (!s.bodies->exists(carryIds[i]))
             refuse(text("body ", carryIds[i], ", which node ", carryNodes[i],
