@@ -126,7 +126,7 @@ def drawnBox(mu, speeds):
         cable.engine.position = state
         cable.engine.velocity = [0.0] * len(state)
 
-    O.dt = 1e-11  # so that the cable has no time to follow the box
+    O.dt = 1e-12  # so that the cable has no time to follow the box
     return drawn(box, speeds, again)
 
 

@@ -43,10 +43,7 @@ static int touch_points(ancf_nearest* found, const ancf_cover* cover, const ancf
     for (int i = 0; i <= cover->segments; ++i) {
         if ((i == 0 && !cover->owns[0]) || (i == cover->segments && !cover->owns[1])) continue;
         ancf_nearest* place = &found[n];
-        place->segment = i;
-        place->xi = (double)i / cover->segments;
-        ancf_cubic_at(place->point, cubic, place->xi);
-        place->gap = ancf_solid_distance(place->normal, solid, place->point) - cover->radius;
+        ancf_nearest_place(place, i, (double)i / cover->segments, cubic, cover->radius, solid);
         n += place->gap < reach;
     }
     return n;

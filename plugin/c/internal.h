@@ -24,6 +24,7 @@ void ancf_axial_rules(double exact[21], double reduced[21]);
 
 // Weights of an element's four unknowns at xi.
 void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi);
+void ancf_model_mean_weights(double S[4], const ancf_model* m, int element, const double power[3]);
 void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, double xi); // in dr/dxi
 
 #endif

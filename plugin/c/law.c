@@ -53,6 +53,14 @@ double ancf_normal_force(const ancf_normal* law, double depth, double rate) {
     return force > 0.0 ? force : 0.0;
 }
 
+ancf_normal ancf_normal_shared(const ancf_normal* law, double share) {
+    if (share == 1.0) return *law;
+    ancf_normal own = *law;
+    own.stiffness *= pow(share, ancf_normal_exponent(law) + 1.0);
+    own.damping *= own.kind == ANCF_NORMAL_LINEAR ? share * share : share;
+    return own;
+}
+
 double ancf_normal_tangent(const ancf_normal* law, double depth) {
     if (!(depth > 0.0)) return 0.0;
     const double n = ancf_normal_exponent(law);

@@ -234,6 +234,14 @@ void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi
     }
 }
 
+void ancf_model_mean_weights(double S[4], const ancf_model* m, int element, const double power[3]) {
+    if (m->element[element].kind & ANCF_SPRING) {
+        ancf_model_weights(S, m, element, power[0]);
+    } else {
+        ancf_shape_mean(S, power, m->element[element].length);
+    }
+}
+
 void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, double xi) {
     if (m->element[element].kind & ANCF_SPRING) {
         T[0] = -1.0;
@@ -250,15 +258,19 @@ void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, dou
     T[3] = length * abc[2];
 }
 
-void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi) {
+void ancf_model_mean_at(double value[3], const ancf_model* m, const double* field, int element, const double power[3]) {
     double S[4];
     int dof[4];
-    ancf_model_weights(S, m, element, xi);
+    ancf_model_mean_weights(S, m, element, power);
     ancf_model_dofs(dof, m, element);
     for (int c = 0; c < 3; ++c) {
         const double* u = field + c * m->stride;
         value[c] = S[0] * u[dof[0]] + S[1] * u[dof[1]] + S[2] * u[dof[2]] + S[3] * u[dof[3]];
     }
+}
+
+void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi) {
+    ancf_model_mean_at(value, m, field, element, (double[3]) {xi, xi * xi, xi * xi * xi});
 }
 
 void ancf_model_join(const ancf_model* m, double* force) {

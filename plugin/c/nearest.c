@@ -335,10 +335,13 @@ static spot nearest_of(const strand* s, const double point[3]) {
     return best;
 }
 
-static void place_on_solid(ancf_nearest* place, int segment, double xi, const ancf_cubic* cable, double radius,
-                           const ancf_solid* solid) {
+void ancf_nearest_place(ancf_nearest* place, int segment, double xi, const ancf_cubic* cable, double radius,
+                        const ancf_solid* solid) {
     place->segment = segment;
-    place->xi = xi;
+    place->xi = place->power[0] = xi;
+    place->power[1] = xi * xi;
+    place->power[2] = xi * xi * xi;
+    place->share = 1.0;
     ancf_cubic_at(place->point, cable, xi);
     place->gap = ancf_solid_distance(place->normal, solid, place->point) - radius;
 }
@@ -411,7 +414,7 @@ static int nearest_ball(ancf_nearest* found, const ancf_cubic* cable, int segmen
         if (times <= edge * edge * square) {
             const piece s = part_of(&p, joint(i, segments), joint(i + 1, segments), start, bend);
             const spot best = nearest_in(&p, &s, t * s.inverse, limit);
-            place_on_solid(&found[n], i, best.t, cable, radius, solid);
+            ancf_nearest_place(&found[n], i, best.t, cable, radius, solid);
             if (found[n].gap < reach) n++;
         }
         for (int k = 0; k < 3; k++) start[k] = end[k];
@@ -450,7 +453,7 @@ static int nearest_plane(ancf_nearest* found, const ancf_cubic* cable, int segme
         const bool inside = lowest > t[1] && lowest < t[2] && root * (t[2] - t[1]) * (t[2] - t[1]) > margin;
         if (inside && height[0] + lowest * (c1 + lowest * (c2 + lowest * c3)) < best + margin) place = lowest;
         if (!inside && !(best < limit + margin)) continue;
-        place_on_solid(&found[n], i, place, cable, radius, solid);
+        ancf_nearest_place(&found[n], i, place, cable, radius, solid);
         if (found[n].gap < reach) n++;
     }
     return n;
@@ -480,14 +483,7 @@ static double cheap_bound(const ancf_cubic* cable, const ancf_solid* solid) {
     return d + away;
 }
 
-int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segments, double radius,
-                       const ancf_solid* solid, double reach) {
-    if (solid->kind == ANCF_BALL) return nearest_ball(found, cable, segments, radius, solid, reach);
-    if (solid->kind == ANCF_PLANE && solid->sense != 0)
-        return nearest_plane(found, cable, segments, radius, solid, reach);
-    const double limit = radius + reach;
-    if (solid->kind == ANCF_TRIANGLE && corners_apart(cable, solid->corner, limit)) return 0;
-    if (!(cheap_bound(cable, solid) < limit)) return 0;
+static field field_of(const ancf_cubic* cable, const ancf_solid* solid) {
     static const double origin[3] = {0.0, 0.0, 0.0};
     field f = {.to = TO_SOLID, .solid = solid, .cubic = expand(cable, origin), .convex = solid->kind != ANCF_WHEEL};
     f.speed = speed_of(cable);
@@ -501,6 +497,18 @@ int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segment
     f.margin = f.speed;
     for (int k = 0; k < 3; k++) f.margin += fabs(cable->control[0][k]) + fabs(solid->center[k]);
     f.margin *= 4.0 * DBL_EPSILON;
+    return f;
+}
+
+int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segments, double radius,
+                       const ancf_solid* solid, double reach) {
+    if (solid->kind == ANCF_BALL) return nearest_ball(found, cable, segments, radius, solid, reach);
+    if (solid->kind == ANCF_PLANE && solid->sense != 0)
+        return nearest_plane(found, cable, segments, radius, solid, reach);
+    const double limit = radius + reach;
+    if (solid->kind == ANCF_TRIANGLE && corners_apart(cable, solid->corner, limit)) return 0;
+    if (!(cheap_bound(cable, solid) < limit)) return 0;
+    const field f = field_of(cable, solid);
     int n = 0;
     spot a = probe(&f, 0.0), b;
     bool known = true;      // a
@@ -519,13 +527,20 @@ int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segment
         if (floor_of(&f, &a, &b) < limit) {
             const spot best = search(&f, &a, &b, limit, SPLITS_MAX);
             if (best.value < limit + f.margin) {
-                place_on_solid(&found[n], i, best.t, cable, radius, solid);
+                ancf_nearest_place(&found[n], i, best.t, cable, radius, solid);
                 if (found[n].gap < reach) n++;
             }
         }
         a = b;
     }
     return n;
+}
+
+void ancf_nearest_within(ancf_nearest* found, const ancf_cubic* cable, const double within[2], double radius,
+                         const ancf_solid* solid) {
+    const field f = field_of(cable, solid);
+    const spot a = probe(&f, within[0]), b = probe(&f, within[1]);
+    ancf_nearest_place(found, 0, search(&f, &a, &b, INFINITY, SPLITS_MAX).t, cable, radius, solid);
 }
 
 // Square of the distance of two chords, and where on them, from 0 to 1 [Ericson 2005].

@@ -1,12 +1,13 @@
 #include "ancf/rest.h"
 
+#include "ancf/lying.h"
 #include "internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { FOUND_MAX = 65, SPOTS = 4, STEPS_HELD = 50 };
+enum { FOUND_MAX = 65, STEPS_HELD = 50 };
 
 struct near_solid {
     int element, obstacle;
@@ -242,38 +243,8 @@ static void press_place_and_side(ancf_rest* r, const ancf_model* m, int element,
     press_place(r, m, s->element, eta, &p);
 }
 
-// Depths of a segment become one, from which its force follows. In the order in which they matter: that of its deepest
-// place; or of the deepest in either half, where they are nearly the same, as over a hump; or where it lies along the
-// solid, `lying` times their root mean square. All is smooth between them, as otherwise the force would jump for ever.
-// A place's part is the derivative of the one depth by that at the place.
-static const double lying = 1.25, blend_lying = 0.15, blend_halves = 0.1;
-static const double apart_halves = 0.25; // of a segment; nearer places are the same
-
-typedef struct {
-    double xi, eta, depth, part; // eta: on the other element
-    double at[3], normal[3];
-} spot;
-
-// The larger of 1 and 1 + over, smoothly within `blend`; *part: its derivative by `over`.
-static double larger(double* part, double over, double blend) {
-    *part = over < -blend ? 0.0 : over < blend ? (over + blend) / (2.0 * blend) : 1.0;
-    return over < -blend ? 1.0 : over < blend ? 1.0 + (over + blend) * (over + blend) / (4.0 * blend) : 1.0 + over;
-}
-
-// One depth of the deepest places of two halves, and their parts.
-static double join_halves(spot half[2], int segments) {
-    spot *deeper = &half[half[1].depth > half[0].depth], *other = &half[half[1].depth <= half[0].depth];
-    const double way = fmin(fabs(half[1].xi - half[0].xi) * segments / apart_halves, 1.0);
-    const double over = other->depth / deeper->depth - 1.0;
-    double part;
-    const double one = 1.0 + way * (larger(&part, over, blend_halves) - 1.0);
-    other->part = way * part;
-    deeper->part = one - other->part * (1.0 + over);
-    return one * deeper->depth;
-}
-
 // Depth and normal at a point of the centreline.
-static void probe(spot* s, const ancf_rest* r, const ancf_model* m, int element, const side* other) {
+static void probe(ancf_spot* s, const ancf_rest* r, const ancf_model* m, int element, const side* other) {
     const ancf_cover* cover = &r->cover[element];
     if (other->o) {
         s->depth = fmax(cover->radius - ancf_solid_distance(s->normal, &other->o->solid, s->at), 0.0);
@@ -292,45 +263,25 @@ static void probe(spot* s, const ancf_rest* r, const ancf_model* m, int element,
     memcpy(s->normal, found.normal, sizeof s->normal);
 }
 
-// Depths at Gauss points of a segment; returns their root mean square, and as parts its derivatives.
-static double depths_along(spot along[SPOTS], const ancf_rest* r, const ancf_model* m, int element,
-                           const ancf_cubic* cubic, int segment, const side* other) {
-    static const double gauss[SPOTS] = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
-    static const double weight[SPOTS] = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731,
-                                         0.1739274225687269};
-    double square = 0.0;
-    for (int i = 0; i < SPOTS; ++i) {
-        spot* s = &along[i];
-        *s = (spot) {.xi = (segment + gauss[i]) / r->cover[element].segments};
-        ancf_cubic_at(s->at, cubic, s->xi);
-        probe(s, r, m, element, other);
-        square += weight[i] * s->depth * s->depth;
-    }
-    const double mean = sqrt(square);
-    for (int i = 0; i < SPOTS; ++i) along[i].part = mean > 0.0 ? weight[i] * along[i].depth / mean : 0.0;
-    return mean;
-}
-
-// spots: one or two places, of the halves of the segment; room for those along it.
+// spot: one or two deepest places, of the halves of the segment; room for those along it.
 static void press_segment(ancf_rest* r, const ancf_model* m, int element, const ancf_cubic* cubic, int segment,
-                          spot spots[2 + SPOTS], int n, const side* other) {
+                          ancf_spot spot[ANCF_LYING_MOST], int n, const side* other) {
     const ancf_cover* cover = &r->cover[element];
-    for (int i = 0; i < n; ++i) spots[i].part = 1.0;
-    spot* along = &spots[n];
-    const double deepest = n == 1 ? spots[0].depth : join_halves(spots, cover->segments);
-    const double over = lying * depths_along(along, r, m, element, cubic, segment, other) / deepest - 1.0;
+    ancf_spot* along = &spot[n];
     double spread;
-    const double more = larger(&spread, over, blend_lying), alone = more - spread * (1.0 + over);
-    const double exponent = other->law->kind == ANCF_NORMAL_LINEAR ? 1.0 : other->law->exponent;
-    const double softer = 1.0 - spread + spread / pow(lying, exponent); // so that it lies no deeper or less deep for it
+    ancf_lying_along(along, segment, cover->segments);
+    for (int i = 0; i < ANCF_LYING_SPOTS; ++i) {
+        ancf_cubic_at(along[i].at, cubic, along[i].xi);
+        probe(&along[i], r, m, element, other);
+    }
+    const double depth = ancf_lying_depth(spot, n, cover->segments, &spread);
     // what second derivatives of the one depth add to the stiffness, at most
     double stiffer = spread == 0.0 ? 1.0 : spread < 1.0 ? 4.0 : 2.0;
-    if (n == 2 && spots[0].part > 0.0 && spots[1].part > 0.0) stiffer += 4.0;
-    for (int i = 0; i < n + SPOTS; ++i) {
-        const spot* s = &spots[i];
-        const double part = s->part * (i < n ? alone : spread * lying);
-        if (part <= 0.0) continue;
-        pressing p = pressing_of(other->law, s->normal, more * deepest, part * softer, cover->radius);
+    if (n == 2 && spot[0].part > 0.0 && spot[1].part > 0.0) stiffer += 4.0;
+    for (int i = 0; i < n + ANCF_LYING_SPOTS; ++i) {
+        const ancf_spot* s = &spot[i];
+        if (s->part <= 0.0) continue;
+        pressing p = pressing_of(other->law, s->normal, depth, s->part, cover->radius);
         p.along *= stiffer;
         press_place_and_side(r, m, element, s->xi, s->at, other, s->eta, p);
     }
@@ -346,8 +297,8 @@ static void press_points(ancf_rest* r, const ancf_model* m, int element, const a
     }
 }
 
-static spot spot_of(double xi, double eta, double gap, const double at[3], const double normal[3]) {
-    spot s = {.xi = xi, .eta = eta, .depth = -gap};
+static ancf_spot spot_of(double xi, double eta, double gap, const double at[3], const double normal[3]) {
+    ancf_spot s = {.xi = xi, .eta = eta, .depth = -gap};
     memcpy(s.at, at, sizeof s.at);
     memcpy(s.normal, normal, sizeof s.normal);
     return s;
@@ -366,11 +317,11 @@ static void press_solid(ancf_rest* r, const ancf_model* m, const struct near_sol
     }
     const int n = ancf_nearest_solid(found, &cubic, 2 * cover->segments, cover->radius, &other.o->solid, 0.0);
     for (int i = 0, k; i < n; i += k) {
-        spot spots[2 + SPOTS];
+        ancf_spot spot[ANCF_LYING_MOST];
         const int segment = found[i].segment / 2;
         for (k = 0; i + k < n && found[i + k].segment / 2 == segment; ++k)
-            spots[k] = spot_of(found[i + k].xi, 0.0, found[i + k].gap, found[i + k].point, found[i + k].normal);
-        press_segment(r, m, near->element, &cubic, segment, spots, k, &other);
+            spot[k] = spot_of(found[i + k].xi, 0.0, found[i + k].gap, found[i + k].point, found[i + k].normal);
+        press_segment(r, m, near->element, &cubic, segment, spot, k, &other);
     }
 }
 
@@ -409,13 +360,13 @@ static void press_cables(ancf_rest* r, const ancf_model* m, const ancf_meeting* 
                                    m->element[f].length))
             found[n++] = found[i];
     for (int i = 0, k; i < n; i += k) {
-        spot spots[2 + SPOTS];
+        ancf_spot spot[ANCF_LYING_MOST];
         const int segment = found[i].segment / 2;
         for (k = 0; i + k < n && found[i + k].segment / 2 == segment; ++k) {
             const ancf_nearest_pair* at = &found[i + k];
-            spots[k] = spot_of(at->xi[0], at->xi[1], at->gap, at->point[0], at->normal);
+            spot[k] = spot_of(at->xi[0], at->xi[1], at->gap, at->point[0], at->normal);
         }
-        press_segment(r, m, e, &cubic[0], segment, spots, k, &other);
+        press_segment(r, m, e, &cubic[0], segment, spot, k, &other);
     }
 }
 

@@ -65,13 +65,17 @@ void ancf_value_of(double value[3], const int dof[4], const double weight[4], co
     }
 }
 
-int ancf_table_add_place(ancf_table* t, const ancf_model* m, int element, double xi) {
-    ancf_place p = {.element = element, .xi = xi};
+int ancf_table_add_mean(ancf_table* t, const ancf_model* m, int element, const double power[3]) {
+    ancf_place p = {.element = element, .xi = power[0]};
     ancf_model_dofs(p.dof, m, element);
-    ancf_model_weights(p.S, m, element, xi);
+    ancf_model_mean_weights(p.S, m, element, power);
     p.response = ancf_responses_of(t->responses, m, element);
     if (!p.response) return -1;
     return add((void**)&t->place, &t->n_places, &t->room_places, &p, sizeof p);
+}
+
+int ancf_table_add_place(ancf_table* t, const ancf_model* m, int element, double xi) {
+    return ancf_table_add_mean(t, m, element, (double[3]) {xi, xi * xi, xi * xi * xi});
 }
 
 int ancf_table_add_slope(ancf_table* t, const ancf_model* m, int element, double xi) {

@@ -233,11 +233,14 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         Vector3r at, speed; // of the first side, where forces act: on a cable at its centreline, as it has no twist
         if (element >= 0) {
             const ancf_cover& cover = shown->cover[element];
-            c.side[0] = {added(ancf_table_add_place(table.get(), m, element, geom->xi[i])), -1, {0, 0, 0}};
+            const Vector3r& power = geom->powers[i];
+            c.side[0] = {added(ancf_table_add_mean(table.get(), m, element, power.data())), -1, {0, 0, 0}};
+            const bool slides = !cover.points && !geom->lies(i);
             for (int k = 0; k < 2; ++k)
-                c.within[k] = cover.points ? geom->xi[i] : Real(geom->segment[i] + k) / cover.segments;
-            at = placeOf(m, m->x, element, geom->xi[i]);
-            speed = placeOf(m, m->v, element, geom->xi[i]);
+                c.within[k] = slides ? Real(geom->segment[i] + k) / cover.segments : geom->xi[i];
+            at = meanOf(m, m->x, element, power);
+            speed = meanOf(m, m->v, element, power);
+            c.law = ancf_normal_shared(&c.law, geom->share[i]);
         } else {
             at = second.state->pos - (geom->refR2 + geom->gap[i] / 2) * normal;
             speed = velocityAt(*second.state, at);
@@ -246,14 +249,14 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         c.side[1] = sideOf(cable, first, at);
         copy(c.normal, normal);
         c.margin = marginAhead * geom->refR2;
-        if (geom->ball && !first.isClumpMember()) c.round = geom->refR1 + geom->refR2;
+        if (geom->ball && !geom->lies(i) && !first.isClumpMember()) c.round = geom->refR1 + geom->refR2;
         copy(c.friction, geom->friction[i]);
         Vector3r changing = Vector3r::Zero(); // of cables alone: bodies' accelerations change less
         for (int side = 0; side < 2; ++side) {
             if (c.side[side].place < 0) continue;
             const ancf_place& place = *ancf_table_place(table.get(), c.side[side].place);
-            const bool own = side == 0 && element >= 0;
-            changing += (side ? -1 : 1) * placeOf(m, m->a, place.element, own ? geom->xiLast[i] : place.xi);
+            changing += side == 0 && element >= 0 ? meanOf(m, m->a, element, geom->powersLast[i])
+                                                  : Vector3r((side ? -1 : 1) * placeOf(m, m->a, place.element, place.xi));
         }
         c.owed = ancf_owed(geom->owed[i], geom->late[i].data(), changing.data());
         // The gap at the start of the step: found for its middle, at the velocities of now.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "CableGeom.hpp"
 
+#include "CableNodes.hpp"
 #include "Mobility.hpp"
 #include "text.hpp"
 
@@ -8,6 +9,10 @@
 #include <core/Scene.hpp>
 
 #include <array>
+
+extern "C" {
+#include "ancf/lying.h"
+}
 
 namespace yade {
 
@@ -125,6 +130,15 @@ namespace {
         return !contact.geom && static_cast<const CableElement&>(shape2).excludes(contact.getId1());
     }
 
+    // Makes a place the mean of those that hold its segment, seen half a step later: how far it sinks in until then.
+    void lieOn(ancf_nearest& place, const ancf_solid& solid, const CableView& view, int element,
+               const ancf_cubic& cubic, const State& state, Real dt) {
+        const Vector3r point = vectorOf(place.point),
+                       speed = placeOf(view.model, view.model->v, element, place.xi) - velocityAt(state, point);
+        ancf_lying_on(&place, &view.cover[element], &cubic, &solid,
+                      std::max(-dt / 2 * vectorOf(place.normal).dot(speed), Real(0)));
+    }
+
     bool nearCable(const Scene& scene, const ancf_solid& solid, const State& state, Real radius, const Shape& shape2,
                    const shared_ptr<Interaction>& contact) {
         constexpr int most = 65;
@@ -140,6 +154,7 @@ namespace {
             const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(*view->model, element.element);
             const Real reach = stepsAhead * scene.dt * speed + marginAhead * cover.radius;
             n = ancf_cover_touch(found.data(), &cover, &cubic, &solid, reach);
+            for (int i = 0; i < n; ++i) lieOn(found[i], solid, *view, element.element, cubic, state, scene.dt);
         }
         return accept(contact, found.data(), n, radius > 0 ? radius : cover.radius, cover.radius,
                       solid.kind == ANCF_BALL);
@@ -151,6 +166,7 @@ namespace {
         ancf_nearest found {};
         copy(found.point, state2.pos + scene.dt / 2 * state2.vel);
         found.gap = ancf_solid_distance(found.normal, &solid, found.point) - own;
+        found.share = 1;
         const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(state2, own);
         const bool near = found.gap < stepsAhead * scene.dt * speed + marginAhead * own;
         return accept(contact, &found, near ? 1 : 0, radius > 0 ? radius : own, own, solid.kind == ANCF_BALL);
@@ -171,8 +187,8 @@ bool solidOf(ancf_solid& solid, const Body& body) {
 
 void CableGeom::set(const ancf_nearest* found, int n) {
     const vector<int> before = segment;
-    const vector<Vector3r> kept = friction, keptLate = late;
-    const vector<Real> keptOwed = owed, keptXi = xi;
+    const vector<Vector3r> kept = friction, keptLate = late, keptPowers = powers;
+    const vector<Real> keptOwed = owed;
     const size_t size = static_cast<size_t>(n);
     segment.resize(size);
     xi.resize(size);
@@ -183,11 +199,15 @@ void CableGeom::set(const ancf_nearest* found, int n) {
     friction.assign(size, Vector3r::Zero());
     late.assign(size, Vector3r::Zero());
     owed.assign(size, 0);
-    xiLast.assign(size, 0);
+    powers.resize(size);
+    powersLast.assign(size, Vector3r::Zero());
+    share.resize(size);
     size_t nearest = 0;
     for (size_t i = 0, old = 0; i < size; ++i) {
         segment[i] = found[i].segment;
         xi[i] = found[i].xi;
+        powers[i] = vectorOf(found[i].power);
+        share[i] = found[i].share;
         gap[i] = found[i].gap;
         point[i] = vectorOf(found[i].point);
         normals[i] = vectorOf(found[i].normal);
@@ -196,7 +216,7 @@ void CableGeom::set(const ancf_nearest* found, int n) {
             friction[i] = kept[old];
             late[i] = keptLate[old];
             owed[i] = keptOwed[old];
-            xiLast[i] = keptXi[old];
+            powersLast[i] = keptPowers[old];
         }
         if (gap[i] < gap[nearest]) nearest = i;
     }

@@ -24,13 +24,15 @@ public:
     bool ball = false; // whether the first body is a sphere; set where places are found
     // Takes the places as found now; friction of those that were there before is kept.
     void set(const ancf_nearest* found, int n);
+    // Whether a place is the mean of several.
+    bool lies(size_t i) const { return share[i] != 1; }
 
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR(CableGeom, GenericSpheresContact,
         "Places where a body and a :yref:`CableElement` (the second), or a :yref:`CarriedSphere`, touch or will within the "
         "step. normal and contactPoint are those of the smallest gap.",
         ((vector<int>, segment, , Attr::readonly, "Segments of the element, one for each place."))
-        ((vector<Real>, xi, , Attr::readonly, "Places on the element, 0 to 1."))
+        ((vector<Real>, xi, , Attr::readonly, "Places on the element, 0 to 1; where a segment lies along the body, the mean of those that hold it."))
         ((vector<Real>, gap, , Attr::readonly, "Gaps between the surfaces, negative where they overlap [m]."))
         ((vector<Vector3r>, point, , Attr::readonly, "Places on the centreline; centre of the sphere [m]."))
         ((vector<Vector3r>, normals, , Attr::readonly, "Unit vectors from the first body to the second."))
@@ -38,7 +40,9 @@ public:
         ((vector<Vector3r>, friction, , Attr::readonly, "Forces of friction on the second body in the last step [N]."))
         ((vector<Real>, owed, , Attr::hidden, "Work that the contacts did too much, and give back [J]."))
         ((vector<Vector3r>, late, , Attr::hidden, "Impulses of the last step, each part times the time from its start to it [N s²]."))
-        ((vector<Real>, xiLast, , Attr::hidden, "`xi` in the last step.")),
+        ((vector<Vector3r>, powers, , Attr::hidden, "Means of ξ, ξ² and ξ³ over the places that hold a segment."))
+        ((vector<Vector3r>, powersLast, , Attr::hidden, "Those of the last step."))
+        ((vector<Real>, share, , Attr::hidden, "Depth that a law is about by that of the place.")),
         createIndex();
     )
     // clang-format on

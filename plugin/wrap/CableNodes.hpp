@@ -20,6 +20,13 @@ inline Vector3r placeOf(const ancf_model* m, const Real* field, int element, Rea
     return Vector3r(value[0], value[1], value[2]);
 }
 
+// Mean over several places, from the means of their xi, xi^2 and xi^3.
+inline Vector3r meanOf(const ancf_model* m, const Real* field, int element, const Vector3r& power) {
+    Real value[3];
+    ancf_model_mean_at(value, m, field, element, power.data());
+    return Vector3r(value[0], value[1], value[2]);
+}
+
 inline Vector3r nodeOf(const Real* field, int stride, int node) {
     return Vector3r(field[node], field[stride + node], field[2 * stride + node]);
 }

@@ -239,7 +239,6 @@ def test_reactions_are_the_change_of_momentum(scene, kind, model):
 # ---- laws and scripts ----------------------------------------------------------------------------
 
 
-@pytest.mark.xfail(strict=True, reason="open: the box of contact_laws.py, 1.2e-4, limit 1e-4")
 def test_laws_drawn_are_the_laws(scene):
     """Figs. 7 and 8: what acts on bodies in YADE, against Table 1 and Eq. 11 written down here."""
     import contact_laws as laws

@@ -47,6 +47,9 @@ static inline double ancf_normal_exponent(const ancf_normal* law) {
     return law->kind == ANCF_NORMAL_LINEAR ? 1.0 : law->exponent;
 }
 
+// The law of a contact whose depth is only `share` times what the law is about, and acts back by as much.
+ancf_normal ancf_normal_shared(const ancf_normal* law, double share);
+
 // Slope df/d(depth) of the elastic part [N/m].
 double ancf_normal_tangent(const ancf_normal* law, double depth);
 

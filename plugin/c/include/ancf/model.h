@@ -112,6 +112,9 @@ static inline void ancf_model_dofs(int dof[4], const ancf_model* m, int element)
 // Value at xi of element e of the field whose blocks are at `field` (m->x gives the position, m->v the velocity).
 void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi);
 
+// Its mean over several places, from the means of their xi, xi^2 and xi^3.
+void ancf_model_mean_at(double value[3], const ancf_model* m, const double* field, int element, const double power[3]);
+
 // Makes both copies of every shared slope the sum of the two, as a force on the one slope is.
 void ancf_model_join(const ancf_model* m, double* force);
 

@@ -20,6 +20,8 @@ typedef struct {
     double gap;       // between the surfaces [m], < 0: overlap
     double point[3];  // on the centreline [m]
     double normal[3]; // unit vector from the other body to the cable
+    double power[3];  // xi, xi^2 and xi^3; their means if it is that of several places
+    double share;     // derivative of the depth that its law is about by its own, see lying.h [-]; 1: a single place
 } ancf_nearest;
 
 typedef struct {
@@ -32,6 +34,10 @@ typedef struct {
 
 void ancf_cubic_at(double r[3], const ancf_cubic* c, double xi);
 void ancf_cubic_slope(double dr[3], const ancf_cubic* c, double xi); // dr/dxi
+
+// The place at xi.
+void ancf_nearest_place(ancf_nearest* place, int segment, double xi, const ancf_cubic* cable, double radius,
+                        const ancf_solid* solid);
 
 // Places of the segments whose gap is below `reach` [m], in the order of the segments; returns their number. found:
 // room for `segments`.
@@ -46,6 +52,10 @@ int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int se
 // searched with the same care, so that a place is the same whatever the reach.
 int ancf_nearest_segments(ancf_nearest_pair* found, const ancf_cubic* first, int segments, uint64_t which,
                           double radius1, const ancf_cubic* second, double radius2, double reach, double far);
+
+// The place of a part of a cable that is nearest to a solid, however far; of segment 0.
+void ancf_nearest_within(ancf_nearest* found, const ancf_cubic* cable, const double within[2], double radius,
+                         const ancf_solid* solid);
 
 // Where the part `within` of a cable is nearest to a point.
 double ancf_nearest_from(const ancf_cubic* cable, const double within[2], const double point[3]);

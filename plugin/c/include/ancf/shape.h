@@ -6,13 +6,18 @@
 #ifndef ANCF_SHAPE_H
 #define ANCF_SHAPE_H
 
+// Means of S over several xi, from the means of xi, xi^2 and xi^3.
+static inline void ancf_shape_mean(double S[4], const double power[3], double length) {
+    S[0] = 1.0 - 3.0 * power[1] + 2.0 * power[2];
+    S[1] = length * (power[0] - 2.0 * power[1] + power[2]);
+    S[2] = 3.0 * power[1] - 2.0 * power[2];
+    S[3] = length * (power[2] - power[1]);
+}
+
 // S[4]: weights of (r0, g0, r1, g1) in the position at xi; Eq. 3-4. length [m].
 static inline void ancf_shape(double S[4], double xi, double length) {
-    const double x2 = xi * xi, x3 = x2 * xi;
-    S[0] = 1.0 - 3.0 * x2 + 2.0 * x3;
-    S[1] = length * (xi - 2.0 * x2 + x3);
-    S[2] = 3.0 * x2 - 2.0 * x3;
-    S[3] = length * (x3 - x2);
+    const double power[3] = {xi, xi * xi, xi * xi * xi};
+    ancf_shape_mean(S, power, length);
 }
 
 // abc[3]: weights of (g0, d, g1) in the slope dr/ds at xi.
