@@ -1,4 +1,6 @@
-// Friction of all contacts that pressed, together, at the velocity after it has acted.
+// Friction of all contacts that pressed, together, at the velocity after it has acted; as normal forces act in the course
+// of the step, at its mean over the step, by which things move. What is at rest under them has a velocity at the end of
+// the step, and where that is not along the normal it would be taken for slip.
 //
 // Explicit friction would need a step of 2 m v0/((2 mu_s - mu_k) f_n). Here each contact's friction belongs to the
 // velocity that is left, found contact by contact until none changes (Gauss-Seidel).
@@ -92,6 +94,7 @@ static double coefficient_left(ancf_contact* c, double speed, double beta, int s
 static double rub_one(ancf_table* t, ancf_contact* c, double step, double largest, int sweep) {
     double v[3], change[3], moved = 0.0;
     slip_of(v, t, c);
+    for (int i = 0; i < 3; i++) v[i] -= c->lag[i];
     project(v, c->normal);
     const double w = along(t, c, ancf_dot(c->friction, c->friction) > 0.0 ? c->friction : v);
     for (int i = 0; i < 3; i++) {
@@ -235,6 +238,61 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
     return sweep;
 }
 
+// Velocities less their means over the step, as normal forces act in the course of it.
+static void find_lags(ancf_table* t, double step) {
+    for (int i = 0; i < t->n_places; ++i) memset(t->place[i].lag, 0, sizeof t->place[i].lag);
+    for (int i = 0; i < t->n_places; ++i) {
+        const ancf_place* p = &t->place[i];
+        double late[3];
+        for (int c = 0; c < 3; c++) late[c] = p->impulse[c] - p->moment[c] / step;
+        if (late[0] == 0.0 && late[1] == 0.0 && late[2] == 0.0) continue;
+        for (int k = t->first[i]; k < t->first[i + 1]; ++k) {
+            double* lag = t->place[t->other[k]].lag;
+            for (int c = 0; c < 3; c++) {
+                lag[c] += t->effect[k] * late[c];
+                lag[3 + c] += t->bend[k].to * late[c];
+            }
+        }
+    }
+    for (int i = 0; i < t->n_bodies; ++i) {
+        ancf_body* b = &t->body[i];
+        for (int c = 0; c < 3; c++) {
+            b->lag[c] = b->velocity[c] - b->before[c] - b->shift[c] / step;
+            b->lag[3 + c] = b->spin[c] - b->before[3 + c] - b->turn[c] / step;
+        }
+    }
+}
+
+static void swap(double a[3], double b[3]) {
+    for (int c = 0; c < 3; c++) {
+        const double kept = a[c];
+        a[c] = b[c];
+        b[c] = kept;
+    }
+}
+
+static void swap_lags(ancf_table* t) {
+    for (int i = 0; i < t->n_places; ++i) {
+        swap(t->place[i].velocity, t->place[i].lag);
+        swap(t->place[i].bending, t->place[i].lag + 3);
+    }
+    for (int i = 0; i < t->n_bodies; ++i) {
+        swap(t->body[i].velocity, t->body[i].lag);
+        swap(t->body[i].spin, t->body[i].lag + 3);
+    }
+}
+
+// Slips of the lags, with which those of the velocities are too large.
+static void slip_lags(ancf_table* t, double step) {
+    find_lags(t, step);
+    swap_lags(t);
+    for (int i = 0; i < t->groups.contacts; ++i) {
+        ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][i]];
+        slip_of(c->lag, t, c);
+    }
+    swap_lags(t);
+}
+
 int ancf_table_rub(ancf_table* t, double step, double* left) {
     const int *live = t->groups.list[ANCF_CONTACTS], n = t->groups.contacts;
     int sweeps = 0;
@@ -244,6 +302,7 @@ int ancf_table_rub(ancf_table* t, double step, double* left) {
         slip_of(now, t, &t->contact[live[i]]);
         for (int k = 0; k < 3; k++) slip[k] = (t->guessed ? slip[k] : now[k]) - 0.5 * now[k];
     }
+    slip_lags(t, step);
     for (int k = 0; k < t->groups.n; ++k) {
         const int needed = rub_group(t, &t->groups.group[k], step, left);
         if (needed > sweeps) sweeps = needed;

@@ -33,6 +33,11 @@ namespace {
         return is ? static_cast<CableGeom*>(contact.geom.get()) : nullptr;
     }
 
+    // Distance of a place that is the mean of several from a ball's centre, less the gap, in the middle of the step.
+    Real roundOf(const CableGeom& geom, size_t i, const State& ball, Real dt) {
+        return (geom.point[i] - ball.pos - dt / 2 * ball.vel).norm() - geom.gap[i];
+    }
+
     void outOfMemory() { throw std::bad_alloc(); }
 
     int added(int number) {
@@ -249,7 +254,8 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         c.side[1] = sideOf(cable, first, at);
         copy(c.normal, normal);
         c.margin = marginAhead * geom->refR2;
-        if (geom->ball && !geom->lies(i) && !first.isClumpMember()) c.round = geom->refR1 + geom->refR2;
+        if (geom->ball && !first.isClumpMember())
+            c.round = geom->lies(i) ? roundOf(*geom, i, *first.state, cable.scene->dt) : geom->refR1 + geom->refR2;
         copy(c.friction, geom->friction[i]);
         Vector3r changing = Vector3r::Zero(); // of cables alone: bodies' accelerations change less
         for (int side = 0; side < 2; ++side) {

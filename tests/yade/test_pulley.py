@@ -189,7 +189,6 @@ def test_stiction_creeps_as_hollars_does(scene):
     assert moved == pytest.approx(1e-3 * mu / 0.3, rel=0.02)
 
 
-@pytest.mark.xfail(strict=True, reason="open: 1.1 % in one of three speeds, limit 0.5 %")
 def test_atwood(scene):
     """A heavy sheave that the cable does not slip on."""
     m1, m2, inertia, radius = 1.0, 1.2, 0.02, 0.1
@@ -209,9 +208,11 @@ def test_atwood(scene):
         (0, 0, 0), radius - D / 2, width=6 * D, material="cable", inertia=inertia
     )
     span = 0.2
+    # As deep as the contacts of three segments an element carry it, each 1.2^2 times as stiff as one point.
+    depth = (t1 + t2) / 2 * math.radians(15) / 3 / (1.44 * 1e5)
     path = pulleys.Path(
-        [(sheave, 1)], diameter=D, start=(-radius, 0, -span), end=(radius, 0, -span), gap=-0.94e-5
-    )  # as deep as the contacts carry it
+        [(sheave, 1)], diameter=D, start=(-radius, 0, -span), end=(radius, 0, -span), gap=-depth
+    )
     cable = pulleys.lay(
         path,
         round(path.length / (radius * math.radians(15))),
@@ -250,7 +251,9 @@ def test_atwood(scene):
     rows = record(10, read)
     run(0.15)
     t, *speeds, momentum, torque = np.array(rows).T
-    assert [np.polyfit(t, v, 1)[0] for v in speeds] == pytest.approx([a] * 3, rel=5e-3)
+    window = np.sqrt(np.hanning(len(t)))  # the weights swing a little on their spans
+    found = [np.polyfit(t, v, 1, w=window)[0] for v in speeds]
+    assert found == pytest.approx([a] * 3, rel=5e-3)
     rate = np.diff(momentum) / np.diff(t)
     assert rate == pytest.approx((torque[1:] + torque[:-1]) / 2, rel=1e-3)
 

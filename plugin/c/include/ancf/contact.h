@@ -41,6 +41,7 @@ typedef struct {
     double impulse[3];      // on the cable in this step [N s]
     double couple[3];       // and on its slope [N s]
     double moment[3];       // impulses, each times the time from it to the end of the step [N s2]
+    double lag[6];          // velocity and that of the slope, less their means over the step, before friction [m/s]
 } ancf_place;
 
 // A body that moves by itself.
@@ -56,6 +57,7 @@ typedef struct {
     double before[6];            // velocity and spin at the start of the step [m/s], [rad/s]
     double given[6];             // acceleration and turning as they were given: the guess of friction adds to them
     double moved[3], turned[3];  // since the table was filled, at the mean of what those do [m], [rad]
+    double lag[6];               // velocity and spin less their means over the step, before friction [m/s], [rad/s]
     double pushed[6];            // velocity and spin since a sub-step of the contacts began [m/s], [rad/s]
 } ancf_body;
 
@@ -77,6 +79,7 @@ typedef struct {
     double friction[3];          // in: first guess; out: mean force on the first side in this step [N]
     double guess[3];             // what of it acted while the normal forces did [N]
     double change[3], former[3]; // by the last two sweeps over frictions [N s]
+    double lag[3];               // slip at the end of the step less its mean over the step, before friction [m/s]
     double without[3];           // slip without its own friction, when that was found [m/s]
     double met;                  // velocity along the normal without its own force, when that was found [m/s]
     bool slides;                 // faster than the transition velocity of its friction
