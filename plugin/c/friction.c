@@ -1,6 +1,6 @@
-// Friction of all contacts that pressed, together, at the velocity after it has acted; as normal forces act in the course
-// of the step, at its mean over the step, by which things move. What is at rest under them has a velocity at the end of
-// the step, and where that is not along the normal it would be taken for slip.
+// Friction of all contacts that pressed, together, at the velocity after it has acted; as normal forces act in the
+// course of the step, at its mean over the step, by which things move. What is at rest under them has a velocity at the
+// end of the step, and where that is not along the normal it would be taken for slip.
 //
 // Explicit friction would need a step of 2 m v0/((2 mu_s - mu_k) f_n). Here each contact's friction belongs to the
 // velocity that is left, found contact by contact until none changes (Gauss-Seidel).

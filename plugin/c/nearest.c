@@ -483,7 +483,14 @@ static double cheap_bound(const ancf_cubic* cable, const ancf_solid* solid) {
     return d + away;
 }
 
-static field field_of(const ancf_cubic* cable, const ancf_solid* solid) {
+int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segments, double radius,
+                       const ancf_solid* solid, double reach) {
+    if (solid->kind == ANCF_BALL) return nearest_ball(found, cable, segments, radius, solid, reach);
+    if (solid->kind == ANCF_PLANE && solid->sense != 0)
+        return nearest_plane(found, cable, segments, radius, solid, reach);
+    const double limit = radius + reach;
+    if (solid->kind == ANCF_TRIANGLE && corners_apart(cable, solid->corner, limit)) return 0;
+    if (!(cheap_bound(cable, solid) < limit)) return 0;
     static const double origin[3] = {0.0, 0.0, 0.0};
     field f = {.to = TO_SOLID, .solid = solid, .cubic = expand(cable, origin), .convex = solid->kind != ANCF_WHEEL};
     f.speed = speed_of(cable);
@@ -497,18 +504,6 @@ static field field_of(const ancf_cubic* cable, const ancf_solid* solid) {
     f.margin = f.speed;
     for (int k = 0; k < 3; k++) f.margin += fabs(cable->control[0][k]) + fabs(solid->center[k]);
     f.margin *= 4.0 * DBL_EPSILON;
-    return f;
-}
-
-int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segments, double radius,
-                       const ancf_solid* solid, double reach) {
-    if (solid->kind == ANCF_BALL) return nearest_ball(found, cable, segments, radius, solid, reach);
-    if (solid->kind == ANCF_PLANE && solid->sense != 0)
-        return nearest_plane(found, cable, segments, radius, solid, reach);
-    const double limit = radius + reach;
-    if (solid->kind == ANCF_TRIANGLE && corners_apart(cable, solid->corner, limit)) return 0;
-    if (!(cheap_bound(cable, solid) < limit)) return 0;
-    const field f = field_of(cable, solid);
     int n = 0;
     spot a = probe(&f, 0.0), b;
     bool known = true;      // a
@@ -534,13 +529,6 @@ int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segment
         a = b;
     }
     return n;
-}
-
-void ancf_nearest_within(ancf_nearest* found, const ancf_cubic* cable, const double within[2], double radius,
-                         const ancf_solid* solid) {
-    const field f = field_of(cable, solid);
-    const spot a = probe(&f, within[0]), b = probe(&f, within[1]);
-    ancf_nearest_place(found, 0, search(&f, &a, &b, INFINITY, SPLITS_MAX).t, cable, radius, solid);
 }
 
 // Square of the distance of two chords, and where on them, from 0 to 1 [Ericson 2005].

@@ -263,22 +263,21 @@ static void probe(ancf_spot* s, const ancf_rest* r, const ancf_model* m, int ele
     memcpy(s->normal, found.normal, sizeof s->normal);
 }
 
-// spot: one or two deepest places, of the halves of the segment; room for those along it.
+// spot: the deepest place of the segment comes first; room for the others.
 static void press_segment(ancf_rest* r, const ancf_model* m, int element, const ancf_cubic* cubic, int segment,
-                          ancf_spot spot[ANCF_LYING_MOST], int n, const side* other) {
+                          ancf_spot spot[ANCF_LYING_SPOTS], const side* other) {
     const ancf_cover* cover = &r->cover[element];
-    ancf_spot* along = &spot[n];
     double spread;
-    ancf_lying_along(along, segment, cover->segments);
-    for (int i = 0; i < ANCF_LYING_SPOTS; ++i) {
-        ancf_cubic_at(along[i].at, cubic, along[i].xi);
-        probe(&along[i], r, m, element, other);
+    ancf_lying_along(spot, segment, cover->segments);
+    for (int i = 1; i < ANCF_LYING_SPOTS; ++i) {
+        ancf_cubic_at(spot[i].at, cubic, spot[i].xi);
+        probe(&spot[i], r, m, element, other);
     }
-    const double depth = ancf_lying_depth(spot, n, cover->segments, &spread);
+    const double depth = ancf_lying_depth(spot, &spread);
     // what second derivatives of the one depth add to the stiffness, at most
     double stiffer = spread == 0.0 ? 1.0 : spread < 1.0 ? 4.0 : 2.0;
-    if (n == 2 && spot[0].part > 0.0 && spot[1].part > 0.0) stiffer += 4.0;
-    for (int i = 0; i < n + ANCF_LYING_SPOTS; ++i) {
+    if (spot[1].part > 0.0) stiffer += 4.0;
+    for (int i = 0; i < ANCF_LYING_SPOTS; ++i) {
         const ancf_spot* s = &spot[i];
         if (s->part <= 0.0) continue;
         pressing p = pressing_of(other->law, s->normal, depth, s->part, cover->radius);
@@ -305,7 +304,7 @@ static ancf_spot spot_of(double xi, double eta, double gap, const double at[3], 
 }
 
 static void press_solid(ancf_rest* r, const ancf_model* m, const struct near_solid* near) {
-    ancf_nearest found[2 * FOUND_MAX];
+    ancf_nearest found[FOUND_MAX];
     ancf_cubic cubic;
     const ancf_cover* cover = &r->cover[near->element];
     side other = {.o = &r->obstacle[near->obstacle]};
@@ -315,13 +314,11 @@ static void press_solid(ancf_rest* r, const ancf_model* m, const struct near_sol
         press_points(r, m, near->element, &cubic, &other);
         return;
     }
-    const int n = ancf_nearest_solid(found, &cubic, 2 * cover->segments, cover->radius, &other.o->solid, 0.0);
-    for (int i = 0, k; i < n; i += k) {
-        ancf_spot spot[ANCF_LYING_MOST];
-        const int segment = found[i].segment / 2;
-        for (k = 0; i + k < n && found[i + k].segment / 2 == segment; ++k)
-            spot[k] = spot_of(found[i + k].xi, 0.0, found[i + k].gap, found[i + k].point, found[i + k].normal);
-        press_segment(r, m, near->element, &cubic, segment, spot, k, &other);
+    const int n = ancf_nearest_solid(found, &cubic, cover->segments, cover->radius, &other.o->solid, 0.0);
+    for (int i = 0; i < n; ++i) {
+        ancf_spot spot[ANCF_LYING_SPOTS];
+        spot[0] = spot_of(found[i].xi, 0.0, found[i].gap, found[i].point, found[i].normal);
+        press_segment(r, m, near->element, &cubic, found[i].segment, spot, &other);
     }
 }
 
@@ -342,7 +339,7 @@ static void press_ball(ancf_rest* r, const ancf_model* m, const ancf_obstacle_pa
 }
 
 static void press_cables(ancf_rest* r, const ancf_model* m, const ancf_meeting* pair) {
-    ancf_nearest_pair found[2 * FOUND_MAX];
+    ancf_nearest_pair found[FOUND_MAX];
     ancf_cubic cubic[2];
     const int e = pair->first, f = pair->second;
     const ancf_cover *first = &r->cover[e], *second = &r->cover[f];
@@ -352,21 +349,14 @@ static void press_cables(ancf_rest* r, const ancf_model* m, const ancf_meeting* 
                         .cubic = &cubic[1],
                         .cover = second,
                         .law = &r->laws[first->kind * r->kinds + second->kind].normal};
-    const int all =
-        ancf_nearest_cubic(found, &cubic[0], 2 * first->segments, first->radius, &cubic[1], second->radius, 0.0);
-    int n = 0;
-    for (int i = 0; i < all; ++i)
-        if (!ancf_cross_neighbours(first, found[i].xi[0], m->element[e].length, second, found[i].xi[1],
-                                   m->element[f].length))
-            found[n++] = found[i];
-    for (int i = 0, k; i < n; i += k) {
-        ancf_spot spot[ANCF_LYING_MOST];
-        const int segment = found[i].segment / 2;
-        for (k = 0; i + k < n && found[i + k].segment / 2 == segment; ++k) {
-            const ancf_nearest_pair* at = &found[i + k];
-            spot[k] = spot_of(at->xi[0], at->xi[1], at->gap, at->point[0], at->normal);
-        }
-        press_segment(r, m, e, &cubic[0], segment, spot, k, &other);
+    const int n = ancf_nearest_cubic(found, &cubic[0], first->segments, first->radius, &cubic[1], second->radius, 0.0);
+    for (int i = 0; i < n; ++i) {
+        const ancf_nearest_pair* at = &found[i];
+        if (ancf_cross_neighbours(first, at->xi[0], m->element[e].length, second, at->xi[1], m->element[f].length))
+            continue;
+        ancf_spot spot[ANCF_LYING_SPOTS];
+        spot[0] = spot_of(at->xi[0], at->xi[1], at->gap, at->point[0], at->normal);
+        press_segment(r, m, e, &cubic[0], at->segment, spot, &other);
     }
 }
 

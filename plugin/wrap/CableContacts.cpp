@@ -261,8 +261,9 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         for (int side = 0; side < 2; ++side) {
             if (c.side[side].place < 0) continue;
             const ancf_place& place = *ancf_table_place(table.get(), c.side[side].place);
-            changing += side == 0 && element >= 0 ? meanOf(m, m->a, element, geom->powersLast[i])
-                                                  : Vector3r((side ? -1 : 1) * placeOf(m, m->a, place.element, place.xi));
+            changing += side == 0 && element >= 0
+                            ? meanOf(m, m->a, element, geom->powersLast[i])
+                            : Vector3r((side ? -1 : 1) * placeOf(m, m->a, place.element, place.xi));
         }
         c.owed = ancf_owed(geom->owed[i], geom->late[i].data(), changing.data());
         // The gap at the start of the step: found for its middle, at the velocities of now.

@@ -127,7 +127,8 @@ void ancf_table_destroy(ancf_table* table);
 // Empties it. Numbers of what is added count from 0; -1: out of memory.
 void ancf_table_clear(ancf_table* table);
 int ancf_table_add_place(ancf_table* table, const ancf_model* m, int element, double xi);
-int ancf_table_add_mean(ancf_table* table, const ancf_model* m, int element, const double power[3]); // of several places
+int ancf_table_add_mean(ancf_table* table, const ancf_model* m, int element,
+                        const double power[3]); // of several places
 int ancf_table_add_knot(ancf_table* table, const ancf_model* m, int node);
 int ancf_table_add_slope(ancf_table* table, const ancf_model* m, int element, double xi); // a place that takes couples
 int ancf_table_add_body(ancf_table* table, const ancf_body* body);

@@ -53,10 +53,6 @@ int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int se
 int ancf_nearest_segments(ancf_nearest_pair* found, const ancf_cubic* first, int segments, uint64_t which,
                           double radius1, const ancf_cubic* second, double radius2, double reach, double far);
 
-// The place of a part of a cable that is nearest to a solid, however far; of segment 0.
-void ancf_nearest_within(ancf_nearest* found, const ancf_cubic* cable, const double within[2], double radius,
-                         const ancf_solid* solid);
-
 // Where the part `within` of a cable is nearest to a point.
 double ancf_nearest_from(const ancf_cubic* cable, const double within[2], const double point[3]);
 
