@@ -122,6 +122,22 @@ def test_capstan(scene, theta, mu, time):
     assert ratio == pytest.approx(math.exp(mu * math.radians(theta)), rel=0.01)
 
 
+def test_what_rests_is_not_dragged(scene):
+    """A cable under equal loads on a sheave that is held: nothing slips, so there is no friction,
+    although normal forces leave velocities behind that are not quite along the normals.
+    """
+    cable, sheave, path, u = onSheave(180, 0.5, profile=lambda phi: 1.0, transitionVelocity=1e-3)
+    cable.load(-1, u)
+    turned(cable, sheave, 0.0)
+    run(0.03)
+    wrap = pulleys.wrap(cable, sheave)
+    friction = []
+    for _ in range(20):
+        run(20 * O.dt)
+        friction.append(pulleys.wrap(cable, sheave).friction)
+    assert np.abs(friction).max() < 1e-5 * np.abs(wrap.normal).max()
+
+
 def test_normal_force_follows_tension(scene):
     ratio, cable, sheave = capstan(180, 0.3, 0.04, profile=lambda phi: math.exp(0.3 * phi))
     wrap = pulleys.wrap(cable, sheave)
