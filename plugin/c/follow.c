@@ -68,21 +68,42 @@ static void look_again(ancf_contact* c, const motion* first, const motion* secon
 
 static bool is_round(const ancf_contact* c) { return c->radius[0] > 0.0 || c->round > 0.0; }
 
-// Whether it is too far to touch in the step. Moves are a quarter longer than at these speeds, as they change.
+// Part of a step's move by which it may be longer than at the speeds of its start.
+static const double spare = 1.25;
+
+// Whether it is too far to touch in the step, however it moves.
 static bool too_far(const ancf_contact* c, const motion* first, const motion* second, double step) {
     const double *v = first->v, *u = second->v;
-    return c->gap > 1.25 * step * (sqrt(ancf_dot(v, v)) + sqrt(ancf_dot(u, u))) + c->margin;
+    return c->gap > spare * step * (sqrt(ancf_dot(v, v)) + sqrt(ancf_dot(u, u))) + c->margin;
 }
 
-// Leaves it out of the step if it is. What is apart forgets friction.
-static bool leave_out(ancf_contact* c, const motion* first, const motion* second, double step) {
-    c->idle = too_far(c, first, second, step);
-    for (int k = 0; k < 3 && c->idle; k++) c->friction[k] = 0.0;
-    return c->idle;
+// Velocity with which two sides come together along the normal.
+static double approach(const ancf_table* t, const ancf_contact* c, const ancf_model* m, const double* velocity) {
+    double sum = 0.0, v[3];
+    for (int s = 0; s < 2; ++s) {
+        const ancf_side* side = &c->side[s];
+        const double sign = s ? 1.0 : -1.0;
+        if (side->place >= 0) {
+            const ancf_place* p = &t->place[side->place];
+            ancf_value_of(v, p->dof, p->S, m, velocity);
+            sum += sign * ancf_dot(v, c->normal);
+        }
+        if (side->body >= 0) {
+            ancf_body_velocity(v, &t->body[side->body], side->arm);
+            sum += sign * ancf_dot(v, c->normal);
+        }
+    }
+    return sum;
 }
 
-// Places of contacts that are not idle, and of couplings, are not.
-static void wake_places(ancf_table* t) {
+// Leaves out what cannot touch in the step. What is apart forgets friction.
+static void leave_out(ancf_table* t, const ancf_model* m, const double* velocity, double step, bool flat) {
+    for (int i = 0; i < t->n_contacts; ++i) {
+        ancf_contact* c = &t->contact[i];
+        c->idle = (flat || is_round(c)) && c->gap > c->margin &&
+                  c->gap > c->margin + spare * step * approach(t, c, m, velocity);
+        for (int k = 0; k < 3 && c->idle; k++) c->friction[k] = 0.0;
+    }
     for (int i = 0; i < t->n_places; ++i) t->place[i].idle = true;
     for (int i = 0; i < t->n_contacts; ++i)
         for (int s = 0; s < 2; ++s)
@@ -91,14 +112,9 @@ static void wake_places(ancf_table* t) {
     for (int i = 0; i < t->n_couplings; ++i) t->place[t->coupling[i].place].idle = false;
 }
 
-void ancf_table_rest(ancf_table* t, const ancf_model* m, double step, double passed) {
+void ancf_table_rest(ancf_table* t, const ancf_model* m, const double* velocity, double step, double passed) {
     t->passed = passed;
-    for (int i = 0; i < t->n_contacts; ++i) {
-        ancf_contact* c = &t->contact[i];
-        const motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
-        if (is_round(c)) leave_out(c, &first, &second, step);
-    }
-    wake_places(t);
+    leave_out(t, m, velocity, step, passed == 0.0);
 }
 
 static void follow(ancf_table* t, ancf_contact* c, const ancf_model* m, double step) {
@@ -106,8 +122,7 @@ static void follow(ancf_table* t, ancf_contact* c, const ancf_model* m, double s
     motion first = motion_of(t, &c->side[0], m), second = motion_of(t, &c->side[1], m);
     if (is_round(c)) {
         look_again(c, &first, &second, step);
-        if (leave_out(c, &first, &second, step)) return;
-        if (!carried && slides) {
+        if (!carried && slides && !too_far(c, &first, &second, step)) {
             slide(t, c, m, step);
             first = motion_of(t, &c->side[0], m);
             second = motion_of(t, &c->side[1], m);
@@ -132,7 +147,6 @@ ancf_error ancf_table_go_on(ancf_table* t, const ancf_model* m, const double* ve
         if (!c->idle) c->owed = ancf_owed(c->owed, c->late, c->changing);
         follow(t, c, m, step);
     }
-    wake_places(t);
     for (int i = 0; i < t->n_bodies; ++i)
         for (int k = 0; k < 3; k++) {
             t->body[i].velocity[k] += step * t->body[i].given[k];
@@ -142,6 +156,7 @@ ancf_error ancf_table_go_on(ancf_table* t, const ancf_model* m, const double* ve
         ancf_place* p = &t->place[i];
         ancf_value_of(p->slope, p->dof, p->T, m, m->x);
     }
+    leave_out(t, m, velocity, step, false);
     const ancf_error error = ancf_table_start(t, m, velocity);
     if (!error) ancf_table_accelerate(t, m, m->a);
     return error;

@@ -107,7 +107,8 @@ static void make_lists(ancf_groups* g, const ancf_table* t) {
     g->n = 0;
     for (int i = 0; i < nodes; ++i) {
         const int root = root_of(g, i);
-        g->number[i] = root == i ? g->n++ : g->number[root];
+        const bool idle = i < t->n_places && t->place[i].idle;
+        g->number[i] = idle ? -1 : root == i ? g->n++ : g->number[root];
     }
     for (int k = 0; k < g->n; ++k) g->group[k].substeps = -1;
     list(g, ANCF_PLACES, g->number, t->n_places);

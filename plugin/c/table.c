@@ -114,6 +114,7 @@ int ancf_table_add_coupling(ancf_table* t, const ancf_coupling* coupling) {
 }
 
 int ancf_table_contacts(const ancf_table* t) { return t->n_contacts; }
+int ancf_table_awake(const ancf_table* t) { return t->groups.contacts; }
 int ancf_table_places(const ancf_table* t) { return t->n_places; }
 ancf_place* ancf_table_place(ancf_table* t, int i) { return &t->place[i]; }
 void ancf_table_twist_left(double twist[3], const ancf_table* t) { memcpy(twist, t->left, sizeof t->left); }

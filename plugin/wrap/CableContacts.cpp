@@ -337,16 +337,26 @@ void CableContacts::gather(CableEngine& cable, int steps) {
 void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, int steps) {
     ancf_model* m = cable.theModel();
     ancf_table* t = table.get();
-    const int n = ancf_table_contacts(t);
     if (step == 0) {
         cable.contactSteps = cable.sweeps = 0;
         cable.frictionLeft = 0;
+        acted = false;
     }
-    if (n == 0 && !cable.coupled()) {
-        velocity = m->free;
-        way = nullptr;
+    velocity = m->free;
+    way = nullptr;
+    if (ancf_table_contacts(t) == 0 && !cable.coupled()) return;
+    if (step == 0) {
+        ancf_table_rest(t, m, m->free, time.step, untilFirst);
+        if (ancf_table_prepare(t, m, m->free)) outOfMemory();
+        ancf_table_accelerate(t, m, m->a);
+    } else if (ancf_table_go_on(t, m, m->free, time.step)) {
+        outOfMemory();
+    }
+    if (ancf_table_awake(t) == 0 && !cable.coupled()) {
+        ancf_table_end(t, time.step);
         return;
     }
+    acted = true;
     const size_t size = cable.position.size();
     after.resize(size);
     shift.resize(size);
@@ -354,13 +364,6 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     std::memset(shift.data(), 0, size * sizeof(Real));
     velocity = after.data();
     way = shift.data();
-    if (step == 0) {
-        if (steps > 1) ancf_table_rest(t, m, time.step, untilFirst);
-        if (ancf_table_prepare(t, m, m->free)) outOfMemory();
-        ancf_table_accelerate(t, m, m->a);
-    } else if (ancf_table_go_on(t, m, m->free, time.step)) {
-        outOfMemory();
-    }
     ancf_table_guess(t, time.step);
     ancf_table_couple(t, time.step);
     int stiffest = 0;
@@ -446,10 +449,12 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
     const Real passed = -untilFirst; // of the last step in O.dt, as the first is as far before its middle
     ancf_model* m = cable.theModel();
     ancf_table* t = table.get();
-    if (!way) {
+    const int n = ancf_table_contacts(t);
+    memory.resize(static_cast<size_t>(n - firstCrossing));
+    memory.resize(static_cast<size_t>(ancf_cross_keep(memory.data(), t, firstCrossing, n)));
+    cable.contacts = 0;
+    if (!acted) {
         lifted = 0;
-        cable.contacts = 0;
-        memory.clear();
         giveRows(cable);
         for (size_t i = 0; i < cable.carryIds.size(); ++i) cable.setCarryReaction(i, Vector3r::Zero());
         return;
@@ -459,15 +464,11 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
     Real twist[3];
     ancf_table_twist_left(twist, t);
     cable.twistLeft += vectorOf(twist);
-    const int n = ancf_table_contacts(t);
-    cable.contacts = 0;
     for (int i = 0; i < n; ++i) {
         const ancf_contact& c = *ancf_table_contact(t, i);
         cable.contacts += vectorOf(c.pressed) != Vector3r::Zero();
         cable.maxPenetration = std::max(cable.maxPenetration, c.depth);
     }
-    memory.resize(static_cast<size_t>(n - firstCrossing));
-    memory.resize(static_cast<size_t>(ancf_cross_keep(memory.data(), t, firstCrossing, n)));
     ancf_table_forces(t, m, ancf_kick(&time), m->f); // what the reactions are found from
     int coupling = 0;
     for (size_t i = 0; i < cable.carryIds.size(); ++i) {

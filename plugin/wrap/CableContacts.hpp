@@ -53,6 +53,7 @@ class CableContacts {
     bool outgrown = true;                           // an element has left its box: new ones in the next step
     vector<Real> after, shift;                      // fields: velocities with contacts, displacements besides
     const Real *velocity = nullptr, *way = nullptr; // what this step goes on with
+    bool acted = false;                             // contacts or couplings, in this step
     Real untilFirst = 0;                            // from the middle of O.dt to that of the first step in it [s]
     Real lifted = 0;                                // see lift()
 

@@ -65,7 +65,7 @@ static void meet(meeting* s, int steps) {
     ancf_table_add_place(s->t, m, element, best.xi);
     ancf_table_add_body(s->t, &ball);
     ancf_table_add_contact(s->t, &c);
-    if (steps > 1) ancf_table_rest(s->t, m, h, first);
+    if (steps > 1) ancf_table_rest(s->t, m, m->free, h, first);
     assert_int_equal(ancf_table_prepare(s->t, m, m->free), ANCF_OK);
     ancf_table_accelerate(s->t, m, m->a);
 }

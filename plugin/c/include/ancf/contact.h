@@ -136,6 +136,7 @@ int ancf_table_add_contact(ancf_table* table, const ancf_contact* contact);
 int ancf_table_add_coupling(ancf_table* table, const ancf_coupling* coupling);
 
 int ancf_table_contacts(const ancf_table* table); // their number
+int ancf_table_awake(const ancf_table* table);    // of them, once it is prepared, that are not left out
 int ancf_table_places(const ancf_table* table);
 ancf_place* ancf_table_place(ancf_table* table, int i);
 void ancf_table_twist_left(double twist[3], const ancf_table* table); // in this step, see ancf_table_apply [N m s]
@@ -143,11 +144,11 @@ ancf_body* ancf_table_body(ancf_table* table, int i);
 ancf_contact* ancf_table_contact(ancf_table* table, int i);
 ancf_coupling* ancf_table_coupling(ancf_table* table, int i);
 
-// Leaves those round contacts out, and what is at their places, whose gap is by `margin` larger than what both sides'
-// speeds close in one and a quarter of a step [s]; where the cable takes several steps with what was found for all of
-// them. `passed`: from the middle of the time of all, for which the accelerations of bodies are given, to that of the
-// first [s].
-void ancf_table_rest(ancf_table* table, const ancf_model* m, double step, double passed);
+// Leaves contacts out, and what is at their places, that cannot touch in a step [s]: whose gap is by `margin` larger
+// than what closes in one and a quarter of it, at the velocities that ancf_table_prepare gets. `passed`: from the
+// middle of the time for which the accelerations of bodies are given to that of the step, where the cable takes several
+// steps with what was found for all of them [s]; 0: one. In several, what is not round is never left out.
+void ancf_table_rest(ancf_table* table, const ancf_model* m, const double* velocity, double step, double passed);
 
 // Gets ready for a step: velocities of the places from the field `velocity` (3 x stride), and what places do to each
 // other. ANCF_E_MEMORY if there is not enough.
