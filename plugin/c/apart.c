@@ -15,7 +15,7 @@ typedef struct {
     int piece[2];
     bool learned;   // the axis is that of a place found on the curves
     double axis[3]; // from the second to the first; 0: none known
-    double wake;    // they are apart while their ways together are shorter than this [m]
+    double wake;    // they are apart while their ways in all, together, are shorter than this [m]
 } window;
 
 typedef struct {
@@ -32,15 +32,9 @@ typedef struct {
 struct ancf_apart {
     const ancf_cover* cover;
     int n;
-    double step;
+    const ancf_motion* motion;
     int* start;        // (n) of an element's first piece
-    double* lever;     // (n_dof) by how much a slope moves a control point [m]; 0 for springs
     double* margin;    // (n) half of what is looked for at no speed [m]
-    double* place;     // (3 x stride) in the middle of the step before
-    double* way;       // (3 x stride) from there
-    double* size;      // (n_dof) of these, or of velocities, against the mean of the nodes
-    double* gone;      // (n) no point of an element has gone farther since windows were set [m]
-    double* speed;     // (n) no point of it is faster [m/s]
     double* claim;     // (n) what has gone and what is looked for together [m]
     long* looked;      // (n) number of the step in which its cubic and pieces were made
     ancf_cubic* cubic; // (n)
@@ -57,28 +51,23 @@ static double clamp(double x, double low, double high) { return x < low ? low : 
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf_cover* cover) {
+ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf_cover* cover,
+                             const ancf_motion* motion) {
     ancf_apart* a = *apart = calloc(1, sizeof *a);
     if (!a) return ANCF_E_MEMORY;
-    const size_t n = (size_t)m->n_elements, n_dof = (size_t)m->n_dof, field = 3 * (size_t)m->stride;
+    const size_t n = (size_t)m->n_elements;
     size_t pieces = 0;
     for (size_t e = 0; e < n; ++e) pieces += (size_t)cover[e].segments;
     a->cover = cover;
+    a->motion = motion;
     a->n = m->n_elements;
     a->start = calloc(n, sizeof *a->start);
-    a->lever = calloc(n_dof, sizeof *a->lever);
     a->margin = calloc(n, sizeof *a->margin);
-    a->place = calloc(field, sizeof *a->place);
-    a->way = calloc(field, sizeof *a->way);
-    a->size = calloc(n_dof, sizeof *a->size);
-    a->gone = calloc(n, sizeof *a->gone);
-    a->speed = calloc(n, sizeof *a->speed);
     a->claim = calloc(n, sizeof *a->claim);
     a->looked = calloc(n, sizeof *a->looked);
     a->cubic = calloc(n, sizeof *a->cubic);
     a->box = calloc(pieces, sizeof *a->box);
-    if (!a->start || !a->lever || !a->margin || !a->place || !a->way || !a->size || !a->gone || !a->speed ||
-        !a->claim || !a->looked || !a->cubic || !a->box) {
+    if (!a->start || !a->margin || !a->claim || !a->looked || !a->cubic || !a->box) {
         ancf_apart_destroy(a);
         *apart = NULL;
         return ANCF_E_MEMORY;
@@ -87,8 +76,6 @@ ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf
         a->start[e] = start;
         start += cover[e].segments;
         a->margin[e] = 0.5 * margin_ahead * cover[e].radius;
-        if (m->element[e].kind & ANCF_SPRING) continue;
-        a->lever[m->n_nodes + e] = a->lever[m->n_nodes + a->n + e] = m->element[e].length / 3.0;
     }
     return ANCF_OK;
 }
@@ -96,13 +83,7 @@ ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf
 void ancf_apart_destroy(ancf_apart* a) {
     if (!a) return;
     free(a->start);
-    free(a->lever);
     free(a->margin);
-    free(a->place);
-    free(a->way);
-    free(a->size);
-    free(a->gone);
-    free(a->speed);
     free(a->claim);
     free(a->looked);
     free(a->cubic);
@@ -222,7 +203,6 @@ static void inherit(window* w, const ancf_apart* a, const pair* was, int* k) {
         if (order > 0) return;
         if (order < 0) continue;
         *w = *old;
-        w->wake -= a->gone[was->first] + a->gone[was->second];
         return;
     }
 }
@@ -259,63 +239,7 @@ int ancf_apart_set(ancf_apart* a, const ancf_boxes* boxes, const ancf_model* m) 
         box_pieces(a, boxes, m, meeting[k].second);
         if (!add_windows(a, boxes, &meeting[k], find_last(&a->last, &old, &meeting[k]))) return -1;
     }
-    memset(a->gone, 0, (size_t)a->n * sizeof *a->gone);
     return a->now.n_windows;
-}
-
-// ---------------------------------------------------------------- followed
-
-// Places ahead of a state, and the ways to there from the places of before; n: of all three blocks.
-ANCF_CLONES static void go(double* restrict place, double* restrict way, const double* restrict x,
-                           const double* restrict v, double ahead, int n) {
-    for (int i = 0; i < n; ++i) {
-        const double next = x[i] + ahead * v[i];
-        way[i] = next - place[i];
-        place[i] = next;
-    }
-}
-
-// How far or how fast control points go by each unknown, against the mean of the nodes.
-ANCF_CLONES static void against_mean(double* restrict size, const double* restrict field, const double* restrict lever,
-                                     int n_nodes, int n_dof, int stride) {
-    const double *x = field, *y = field + stride, *z = field + 2 * stride;
-    double mean_x = 0.0, mean_y = 0.0, mean_z = 0.0;
-#pragma omp simd reduction(+ : mean_x, mean_y, mean_z)
-    for (int i = 0; i < n_nodes; ++i) {
-        mean_x += x[i];
-        mean_y += y[i];
-        mean_z += z[i];
-    }
-    mean_x /= n_nodes;
-    mean_y /= n_nodes;
-    mean_z /= n_nodes;
-    for (int i = 0; i < n_nodes; ++i) {
-        const double a = x[i] - mean_x, b = y[i] - mean_y, c = z[i] - mean_z;
-        size[i] = sqrt(a * a + b * b + c * c);
-    }
-    for (int i = n_nodes; i < n_dof; ++i) size[i] = lever[i] * sqrt(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
-}
-
-ANCF_CLONES static void larger_ends(double* restrict larger, const double* restrict size, const int* restrict ends,
-                                    int n_nodes, int n) {
-    const double *start = size + n_nodes, *end = start + n;
-    for (int e = 0; e < n; ++e) {
-        const double a = size[ends[2 * e]] + start[e], b = size[ends[2 * e + 1]] + end[e];
-        larger[e] = a > b ? a : b;
-    }
-}
-
-void ancf_apart_follow(ancf_apart* a, const ancf_model* m, double step) {
-    if (a->now.n_pairs == 0) return; // what is new later is not known to be apart
-    a->step = step;
-    ++a->looks;
-    go(a->place, a->way, m->x, m->v, 0.5 * step, 3 * m->stride);
-    against_mean(a->size, a->way, a->lever, m->n_nodes, m->n_dof, m->stride);
-    larger_ends(a->speed, a->size, m->ends, m->n_nodes, a->n);
-    for (int e = 0; e < a->n; ++e) a->gone[e] += a->speed[e];
-    against_mean(a->size, m->v, a->lever, m->n_nodes, m->n_dof, m->stride);
-    larger_ends(a->speed, a->size, m->ends, m->n_nodes, a->n);
-    for (int e = 0; e < a->n; ++e) a->claim[e] = a->gone[e] + steps_ahead * step * a->speed[e] + a->margin[e];
 }
 
 // ---------------------------------------------------------------- asked
@@ -325,7 +249,7 @@ double ancf_apart_reach(const ancf_cover* p, const ancf_cover* q, double step, d
 }
 
 static void look(ancf_apart* a, const ancf_model* m, int e) {
-    if (a->looked[e] != a->looks) ancf_cover_cubic(&a->cubic[e], m, a->place, e);
+    if (a->looked[e] != a->looks) ancf_cover_cubic(&a->cubic[e], m, a->motion->place, e);
     a->looked[e] = a->looks;
 }
 
@@ -351,13 +275,14 @@ static bool parted(window* w, double* gap, const ancf_near* near, const ancf_apa
 // Looks at the windows of a pair that do not rest.
 static void wake(ancf_near* near, ancf_apart* a, const ancf_model* m, pair* p) {
     const int e = p->first, f = p->second;
-    const double gone = a->gone[e] + a->gone[f], claim = a->claim[e] + a->claim[f];
+    const double gone = a->motion->gone[e] + a->motion->gone[f], claim = a->claim[e] + a->claim[f];
     look(a, m, e);
     look(a, m, f);
     near->first = e;
     near->second = f;
     near->segments = 0;
-    near->reach = ancf_apart_reach(&a->cover[e], &a->cover[f], a->step, a->speed[e] + a->speed[f]);
+    near->reach =
+        ancf_apart_reach(&a->cover[e], &a->cover[f], a->motion->step, a->motion->speed[e] + a->motion->speed[f]);
     p->wake = INFINITY;
     for (int k = p->begin; k < p->end; ++k) {
         window* w = &a->now.window[k];
@@ -370,16 +295,24 @@ static void wake(ancf_near* near, ancf_apart* a, const ancf_model* m, pair* p) {
     }
 }
 
+static void start(ancf_apart* a) {
+    const ancf_motion* motion = a->motion;
+    ++a->looks;
+    for (int e = 0; e < a->n; ++e)
+        a->claim[e] = motion->gone[e] + steps_ahead * motion->step * motion->speed[e] + a->margin[e];
+}
+
 bool ancf_apart_next(ancf_near* near, ancf_apart* a, const ancf_model* m) {
     const double* claim = a->claim;
+    if (near->next == 0 && a->now.n_pairs > 0) start(a);
     for (int k = near->next; k < a->now.n_pairs; ++k) {
         pair* p = &a->now.pair[k];
         if (p->wake > claim[p->first] + claim[p->second]) continue;
         wake(near, a, m, p);
         if (near->segments == 0) continue;
         near->next = k + 1;
-        ancf_cover_ahead(&near->cubic[0], m, p->first, 0.5 * a->step);
-        ancf_cover_ahead(&near->cubic[1], m, p->second, 0.5 * a->step);
+        ancf_cover_ahead(&near->cubic[0], m, p->first, 0.5 * a->motion->step);
+        ancf_cover_ahead(&near->cubic[1], m, p->second, 0.5 * a->motion->step);
         return true;
     }
     return false;

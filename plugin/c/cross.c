@@ -73,7 +73,6 @@ int ancf_cross_add(ancf_table* table, ancf_apart* apart, const ancf_cover* cover
     ancf_nearest_pair found[SEGMENTS_MAX];
     const ancf_memory* end = last + n_last;
     int added = 0;
-    ancf_apart_follow(apart, m, step);
     for (ancf_near pair = {0}; ancf_apart_next(&pair, apart, m);) {
         const int e = pair.first, f = pair.second;
         const ancf_cover *p = &cover[e], *q = &cover[f];

@@ -8,6 +8,7 @@
 
 enum {
     PIECES_MAX = 16, // of the second cable
+    LEAST_PARTS = 2, // for which a least distance is made of those of chords
     SPLITS_MAX = 2,  // of half a segment, in search of another minimum
     NEWTON_MAX = 16,
     ROOT_MAX = 100,
@@ -747,6 +748,20 @@ int ancf_nearest_segments(ancf_nearest_pair* found, const ancf_cubic* first, int
         if (place_of(&found[n], &x, i, segments, first, second, radii) && found[n].gap < reach) n++;
     }
     return n;
+}
+
+double ancf_nearest_least(const ancf_cubic* cable, const double point[3]) {
+    static const double origin[3] = {0.0, 0.0, 0.0};
+    const power p = expand(cable, point);
+    const double bend = bend_of(&p);
+    double start[3], least = INFINITY, along;
+    memcpy(start, p.a[0], sizeof start);
+    for (int i = 0; i < LEAST_PARTS; i++) {
+        const piece s = part_of(&p, joint(i, LEAST_PARTS), joint(i + 1, LEAST_PARTS), start, bend);
+        least = lower(least, sqrt(chord_square(&along, &s, origin)) - 0.125 * s.bend);
+        memcpy(start, s.end, sizeof start);
+    }
+    return least;
 }
 
 double ancf_nearest_from(const ancf_cubic* cable, const double within[2], const double point[3]) {

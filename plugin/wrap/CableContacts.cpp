@@ -52,7 +52,9 @@ void CableContacts::reset() {
     table.reset();
     boxes.reset();
     apart.reset();
+    motion.reset();
     shown->model = nullptr;
+    shown->motion = nullptr;
     shown->boxes = nullptr;
     awake.clear();
     outgrown = true;
@@ -110,12 +112,17 @@ void CableContacts::build(CableEngine& cable) {
     table.reset(newTable);
     if (ancf_boxes_create(&newBoxes, m, shown->cover.data())) outOfMemory();
     boxes.reset(newBoxes);
+    ancf_motion* newMotion = nullptr;
+    if (ancf_motion_create(&newMotion, m)) outOfMemory();
+    motion.reset(newMotion);
     ancf_apart* newApart = nullptr;
-    if (ancf_apart_create(&newApart, m, shown->cover.data())) outOfMemory();
+    if (ancf_apart_create(&newApart, m, shown->cover.data(), motion.get())) outOfMemory();
     apart.reset(newApart);
     plan(cable);
     shown->boxes = boxes.get();
+    shown->motion = motion.get();
     shown->model = m;
+    ++shown->epoch;
     outgrown = true;
 }
 
@@ -146,7 +153,8 @@ void CableContacts::lookAround(const CableEngine& cable) {
     }();
     if (!outgrown && !ran) return;
     if (ancf_boxes_set(boxes.get(), cable.theModel()) < 0) outOfMemory();
-    if (ancf_apart_set(apart.get(), boxes.get(), cable.theModel()) < 0) outOfMemory();
+    windows = ancf_apart_set(apart.get(), boxes.get(), cable.theModel());
+    if (windows < 0) outOfMemory();
     placeBodies(cable);
     awake.clear();
     for (int e = 0; e < cable.nElements(); ++e)
@@ -311,6 +319,8 @@ void CableContacts::addCouplings(const CableEngine& cable) {
 void CableContacts::addCrossings(CableEngine& cable) {
     const ancf_model* m = cable.theModel();
     firstCrossing = ancf_table_contacts(table.get());
+    if (windows == 0) return;
+    ancf_motion_follow(motion.get(), m, cable.scene->dt); // what was changed since the last step
     added(ancf_cross_add(table.get(), apart.get(), shown->cover.data(), m, laws.data(), kinds, cable.scene->dt,
                          memory.data(), static_cast<int>(memory.size())));
 }
@@ -483,7 +493,16 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
     }
 }
 
+// Ways and speeds for who looks in the next step.
+void CableContacts::follow(const CableEngine& cable) {
+    if (windows > 0 || shown->asked) ancf_motion_follow(motion.get(), cable.theModel(), cable.scene->dt);
+    else ++shown->epoch;
+    shown->asked = false;
+    shown->resting.resize(cable.scene->interactions->size());
+}
+
 void CableContacts::look(CableEngine& cable) {
+    follow(cable);
     outgrown = !cable.sleep || !ancf_boxes_hold(boxes.get(), cable.theModel());
     if (!outgrown) return;
     plan(cable);

@@ -26,7 +26,9 @@ class CableContacts {
     };
     std::unique_ptr<ancf_table, Deleter<ancf_table, ancf_table_destroy>> table;
     std::unique_ptr<ancf_boxes, Deleter<ancf_boxes, ancf_boxes_destroy>> boxes;
+    std::unique_ptr<ancf_motion, Deleter<ancf_motion, ancf_motion_destroy>> motion;
     std::unique_ptr<ancf_apart, Deleter<ancf_apart, ancf_apart_destroy>> apart;
+    int windows = 0; // pairs of segments that may meet while the boxes hold
 
     struct Entry { // of a body in the table
         Body::id_t id;
@@ -68,6 +70,7 @@ class CableContacts {
     void addCarried(const CableEngine& cable);
     void addCouplings(const CableEngine& cable);
     void addCrossings(CableEngine& cable);
+    void follow(const CableEngine& cable);
     string nameOf(const CableEngine& cable, int contact) const;
     void giveBodies(const CableEngine& cable, Real passed);
     void giveRows(const CableEngine& cable) const;

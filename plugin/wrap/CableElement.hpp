@@ -7,18 +7,35 @@
 #include <core/Dispatching.hpp>
 
 #include <algorithm>
+#include <atomic>
 
 extern "C" {
 #include "ancf/boxes.h"
+#include "ancf/motion.h"
 }
 
 namespace yade {
+
+// A sphere and an element that were too far apart to be found near, until they may have closed that.
+struct Resting {
+    Body::id_t ids[2] = {-1, -1};
+    long epoch = -1;
+    Real radius = 0;                   // of the sphere [m]
+    Vector3r place = Vector3r::Zero(); // of the sphere against the mean of the cable's nodes, when they were looked at
+    Real wake = 0;                     // until their ways, the element's in all, and what is looked for are longer [m]
+};
 
 // What the bodies of an engine's elements read of it; empty until it is built.
 struct CableView {
     const ancf_model* model = nullptr;
     const ancf_boxes* boxes = nullptr;
+    const ancf_motion* motion = nullptr;
     vector<ancf_cover> cover; // by element
+    // Pairs that rest, by the number of their Interaction, so that threads do not meet. Valid in one epoch: while the
+    // motion is followed in each step, as it is if any pair asked.
+    mutable vector<Resting> resting;
+    mutable std::atomic<bool> asked {false};
+    long epoch = 0;
 };
 
 class CableElement : public Shape {

@@ -139,6 +139,51 @@ namespace {
                       std::max(-dt / 2 * vectorOf(place.normal).dot(speed), Real(0)));
     }
 
+    // What is looked for around an element.
+    Real reachOf(const Scene& scene, Real speed, Real radius) {
+        return stepsAhead * scene.dt * speed + marginAhead * radius;
+    }
+
+    // The way of a sphere in the middle of the step against the mean of the cable's nodes.
+    Vector3r placeAgainstMean(const CableView& view, const State& state, Real dt) {
+        return state.pos + dt / 2 * state.vel - vectorOf(view.motion->mean_way);
+    }
+
+    // The sphere's entry, if the element's motion is known.
+    Resting* restingOf(const CableView& view, const Scene& scene, const Interaction& contact) {
+        view.asked.store(true, std::memory_order_relaxed);
+        const size_t i = static_cast<size_t>(contact.linIx);
+        const bool known = i < view.resting.size() && view.motion->looks > 0 && view.motion->step == scene.dt;
+        return known ? &view.resting[i] : nullptr;
+    }
+
+    bool rests(const Resting& pair, const CableView& view, int element, const Interaction& contact, Real radius,
+               const State& state, Real dt) {
+        if (pair.epoch != view.epoch || pair.ids[0] != contact.getId1() || pair.ids[1] != contact.getId2() ||
+            pair.radius != radius)
+            return false;
+        const ancf_motion& m = *view.motion;
+        const Real way = (placeAgainstMean(view, state, dt) - pair.place).norm() + m.gone[element],
+                   speed = state.vel.norm() + m.speed[element] + vectorOf(m.mean_velocity).norm();
+        return way + stepsAhead * dt * speed < pair.wake;
+    }
+
+    // Lets a pair that was not found near rest for as long as it can.
+    void letRest(Resting& pair, const CableView& view, int element, const Interaction& contact, const Sphere& sphere,
+                 const State& state, Real dt) {
+        ancf_cubic cubic;
+        ancf_cover_ahead(&cubic, view.model, element, dt / 2);
+        const Vector3r center = state.pos + dt / 2 * state.vel;
+        const Real radius = view.cover[element].radius,
+                   gap = ancf_nearest_least(&cubic, center.data()) - radius - sphere.radius;
+        pair.epoch = view.epoch;
+        pair.ids[0] = contact.getId1();
+        pair.ids[1] = contact.getId2();
+        pair.radius = sphere.radius;
+        pair.place = placeAgainstMean(view, state, dt);
+        pair.wake = gap - 2 * marginAhead * radius + view.motion->gone[element]; // one margin is room for rounding
+    }
+
     bool nearCable(const Scene& scene, const ancf_solid& solid, const State& state, Real radius, const Shape& shape2,
                    const shared_ptr<Interaction>& contact) {
         constexpr int most = 65;
@@ -152,7 +197,7 @@ namespace {
             ancf_cubic cubic;
             ancf_cover_ahead(&cubic, view->model, element.element, scene.dt / 2);
             const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(*view->model, element.element);
-            const Real reach = stepsAhead * scene.dt * speed + marginAhead * cover.radius;
+            const Real reach = reachOf(scene, speed, cover.radius);
             n = ancf_cover_touch(found.data(), &cover, &cubic, &solid, reach);
             for (int i = 0; i < n; ++i) lieOn(found[i], solid, *view, element.element, cubic, state, scene.dt);
         }
@@ -244,7 +289,22 @@ void CableGeom::set(const ancf_nearest* found, int n) {
     }
 #define ANCF_NEAR(Kind, radius) ANCF_NEAR_CABLE(Kind, radius) ANCF_NEAR_SPHERE(Kind, radius)
 
-ANCF_NEAR(Sphere, first.radius)
+ANCF_NEAR_SPHERE(Sphere, first.radius)
+bool Ig2_Sphere_CableElement_CableGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,
+                                           const State& state1, const State&, const Vector3r&, const bool&,
+                                           const shared_ptr<Interaction>& contact) {
+    if (passes(*shape2, *contact)) return false;
+    const auto& sphere = static_cast<const Sphere&>(*shape1);
+    const auto& element = static_cast<const CableElement&>(*shape2);
+    const CableView* view = contact->geom ? nullptr : element.view(*scene);
+    Resting* pair = view ? restingOf(*view, *scene, *contact) : nullptr;
+    if (pair && rests(*pair, *view, element.element, *contact, sphere.radius, state1, scene->dt)) return false;
+    const ancf_solid solid = solidOf(sphere, poseAhead(sphere, state1, scene->dt / 2));
+    if (nearCable(*scene, solid, state1, sphere.radius, *shape2, contact)) return true;
+    if (pair) letRest(*pair, *view, element.element, *contact, sphere, state1, scene->dt);
+    return false;
+}
+
 ANCF_NEAR(Box, (static_cast<void>(first), 0))
 ANCF_NEAR(Facet, (static_cast<void>(first), 0))
 ANCF_NEAR(Wall, (static_cast<void>(first), 0))

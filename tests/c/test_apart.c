@@ -139,19 +139,22 @@ static void wander(scene* s, int k, uint64_t* seed) {
 
 typedef struct {
     ancf_boxes* boxes;
+    ancf_motion* motion;
     ancf_apart* apart;
     ancf_table* table;
 } finder;
 
 static void finder_start(finder* f, const scene* s) {
     assert_int_equal(ancf_boxes_create(&f->boxes, s->b.m, s->cover), ANCF_OK);
-    assert_int_equal(ancf_apart_create(&f->apart, s->b.m, s->cover), ANCF_OK);
+    assert_int_equal(ancf_motion_create(&f->motion, s->b.m), ANCF_OK);
+    assert_int_equal(ancf_apart_create(&f->apart, s->b.m, s->cover, f->motion), ANCF_OK);
     assert_int_equal(ancf_table_create(&f->table, s->b.m), ANCF_OK);
 }
 
 static void finder_end(finder* f) {
     ancf_boxes_destroy(f->boxes);
     ancf_apart_destroy(f->apart);
+    ancf_motion_destroy(f->motion);
     ancf_table_destroy(f->table);
 }
 
@@ -165,6 +168,7 @@ static void finder_set(finder* f, const scene* s) {
 static int finder_find(finder* f, const scene* s) {
     static const ancf_laws laws = {.normal = {ANCF_NORMAL_HERTZ, 1e5, 1.5, 0.0}};
     ancf_table_clear(f->table);
+    ancf_motion_follow(f->motion, s->b.m, step);
     return ancf_cross_add(f->table, f->apart, s->cover, s->b.m, &laws, 1, step, NULL, 0);
 }
 
@@ -273,7 +277,7 @@ static void what_is_apart_rests(void** state) {
     assert_true(n > 0);
     for (int k = 0; k < 100; ++k) {
         for (int i = 0; i < s.b.m->n_nodes; ++i) s.b.m->x[i] += 0.1 * length;
-        ancf_apart_follow(f.apart, s.b.m, step);
+        ancf_motion_follow(f.motion, s.b.m, step);
         for (ancf_near near = {0}; ancf_apart_next(&near, f.apart, s.b.m);) ++asked;
     }
     assert_int_equal(asked, 0);
@@ -282,7 +286,7 @@ static void what_is_apart_rests(void** state) {
         s.b.m->x[i] -= sqrt(0.5) * 1.5e-3;
         s.b.m->x[2 * s.b.stride + i] += sqrt(0.5) * 1.5e-3;
     }
-    ancf_apart_follow(f.apart, s.b.m, step);
+    ancf_motion_follow(f.motion, s.b.m, step);
     for (ancf_near near = {0}; ancf_apart_next(&near, f.apart, s.b.m); ++asked) {
         assert_true(near.first < ELEMENTS && near.second / ELEMENTS == 1);
         assert_true(near.segments > 0 && near.segments >> s.cover[near.first].segments == 0);

@@ -7,6 +7,7 @@
 #define ANCF_APART_H
 
 #include "boxes.h"
+#include "motion.h"
 #include <stdint.h>
 
 typedef struct ancf_apart ancf_apart;
@@ -20,16 +21,14 @@ typedef struct {
     int next;            // number of the pair after it
 } ancf_near;
 
-// cover: (n_elements), kept by the caller.
-ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf_cover* cover);
+// cover: (n_elements), and motion, followed before pairs are asked for: kept by the caller.
+ancf_error ancf_apart_create(ancf_apart** apart, const ancf_model* m, const ancf_cover* cover,
+                             const ancf_motion* motion);
 void ancf_apart_destroy(ancf_apart* apart);
 
 // After boxes have been set: the segments that may meet while these hold. Returns the number of pairs of segments;
 // -1: out of memory.
 int ancf_apart_set(ancf_apart* apart, const ancf_boxes* boxes, const ancf_model* m);
-
-// Once a step, before pairs are asked for: follows the motion of all.
-void ancf_apart_follow(ancf_apart* apart, const ancf_model* m, double step);
 
 // The next pair that does not rest, in the order of first and second; starts with one that is zero. False: no more.
 bool ancf_apart_next(ancf_near* near, ancf_apart* apart, const ancf_model* m);

@@ -53,6 +53,9 @@ int ancf_nearest_cubic(ancf_nearest_pair* found, const ancf_cubic* first, int se
 int ancf_nearest_segments(ancf_nearest_pair* found, const ancf_cubic* first, int segments, uint64_t which,
                           double radius1, const ancf_cubic* second, double radius2, double reach, double far);
 
+// No point of a cable is nearer to a point [m].
+double ancf_nearest_least(const ancf_cubic* cable, const double point[3]);
+
 // Where the part `within` of a cable is nearest to a point.
 double ancf_nearest_from(const ancf_cubic* cable, const double within[2], const double point[3]);
 
