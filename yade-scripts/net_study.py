@@ -145,6 +145,7 @@ class Run:
         ahead, bodies, wall = list(pictures), {number: None, **dict.fromkeys(net.bullets)}, 0.0
         for i in net.bullets:
             bodies[i] = "#c0392b"
+        momentum = np.array(net.engine.momentum()[0])
         while True:
             history.sample()
             self.contacts.append(net.engine.contacts)
@@ -161,6 +162,8 @@ class Run:
         self.wall, self.microseconds = wall, 1e6 * wall / O.iter
         self.time, self.area = np.array(history.time), np.array(history.area)
         self.displacement, self.speed = history.displacement, history.speed
+        # Nothing else acts on the net.
+        self.impulse = np.linalg.norm(np.array(net.engine.momentum()[0]) - momentum)
         self.pointPenetration = net.engine.maxPenetration
         center = body.state.pos[0]
         self.behind = sum(p[0] > center for p in history.position[-1])
@@ -247,6 +250,12 @@ def stepTime(model, integrator, steps=2000):
     return 1e6 * best
 
 
+def spread(values, digits):
+    """Mean and standard deviation, as text."""
+    one = f"{values.mean():.{digits}f}"
+    return f"{one} ± {values.std():.{digits}f}" if len(values) > 1 else one
+
+
 def table(runs, folder):
     """Writes table.csv (what a model costs) and captures.csv (how each case ended); runs: {(target,
     model): [Run, ...]}.
@@ -265,14 +274,15 @@ def table(runs, folder):
             ]
             whole = [f"{first.microseconds:.1f}", f"{np.median([r.wall for r in all_]):.1f}"]
             cost[model] = [*sizes, *free, *whole]
-        deep = np.array([r.deepest for r in all_])
+        deep, impulse = (np.array([getattr(r, k) for r in all_]) for k in ("deepest", "impulse"))
         reasons = sorted({r.why for r in all_} - {""})
         ends.append(
             [
                 target,
                 model,
                 f"{first.firstContact:.2f}",
-                f"{deep.mean():.2f} ± {deep.std():.2f}" if len(deep) > 1 else f"{deep[0]:.2f}",
+                spread(deep, 2),
+                spread(impulse, 3),
                 f"{max(r.pointPenetration for r in all_) / first.diameter:.2f}",
                 f"{100 * np.mean([r.mouth for r in all_]):.0f}",
                 f"{sum(r.wrapped for r in all_)} of {len(all_)}",
@@ -286,7 +296,8 @@ def table(runs, folder):
     ).split(",")
     writeTable(folder / "table.csv", head, list(cost.values()))
     head = (
-        "target,model,first contact [s],true curve [diameters],contact points [diameters],mouth [%],"
+        "target,model,first contact [s],true curve [diameters],impulse on the target [N s],"
+        "contact points [diameters],mouth [%],"
         "wrapped,wrapped by true curve,why not"
     ).split(",")
     writeTable(folder / "captures.csv", head, ends)

@@ -39,7 +39,7 @@ static void recall(ancf_contact* c, const ancf_model* m, const ancf_memory** las
     c->owed = ancf_owed(own->owed, own->late, a[0]);
 }
 
-// A place's contact; left out where it does not come near enough at the velocities of now.
+// A place's contact.
 static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const ancf_near* pair, const ancf_cover* cover,
                        const ancf_model* m, const ancf_laws* law, const ancf_memory** last, const ancf_memory* end,
                        double step) {
@@ -47,7 +47,6 @@ static int add_contact(ancf_table* table, const ancf_nearest_pair* at, const anc
     double v[2][3], opening = 0.0;
     for (int s = 0; s < 2; ++s) ancf_model_at(v[s], m, m->v, e[s], at->xi[s]);
     for (int i = 0; i < 3; i++) opening += at->normal[i] * (v[0][i] - v[1][i]);
-    if (at->gap > ancf_apart_reach(&cover[e[0]], &cover[e[1]], step, opening < 0.0 ? -opening : 0.0)) return 0;
     ancf_contact c = {.key = {e[0], e[1], at->segment}, .law = law->normal, .rub = law->rub};
     c.gap = at->gap - 0.5 * step * opening; // from the middle of the step to its start
     const bool rubs = law->rub.kind != ANCF_FRICTION_NONE;

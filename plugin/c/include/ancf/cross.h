@@ -25,8 +25,9 @@ bool ancf_cross_neighbours(const ancf_cover* first, double xi, double length1, c
                            double length2);
 
 // Adds to the table the contacts of all pairs whose gap in the middle of the step may close in three quarters of a step
-// at the present speeds. laws: (kinds x kinds). Returns their number; -1: out of memory. What is `friction` of a
-// contact is taken from `last`, (n_last), and so is what it owes.
+// at the present speeds, wherever these point: others can turn them. The motion is followed before. laws: (kinds x
+// kinds). Returns their number; -1: out of memory. What is `friction` of a contact is taken from `last`, (n_last), and
+// so is what it owes.
 int ancf_cross_add(ancf_table* table, ancf_apart* apart, const ancf_cover* cover, const ancf_model* m,
                    const ancf_laws* laws, int kinds, double step, const ancf_memory* last, int n_last);
 
