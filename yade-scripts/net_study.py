@@ -413,7 +413,7 @@ def plotPenetration(runs, file):
                 label = model if run is all_[0] else None
                 ax.plot(run.time, deep, color=COLORS[model], lw=0.9, alpha=0.7, label=label)
         ax.axhline(1, color="k", lw=0.8, ls=":")
-        ax.annotate("one diameter", (0.02, 1.15), fontsize=8)
+        ax.annotate("one diameter", (0.02, 0.65), fontsize=8)
         ax.set_yscale("log")
         ax.set_ylim(1e-3, 200)
         ax.set_title(target)
