@@ -1,6 +1,6 @@
 // Contacts go on into the next step of the cable: what is near was found once, where it touches is found anew from
 // where it was.
-#include "ancf/cover.h"
+#include "ancf/lying.h"
 #include "internal.h"
 #include "lever.h"
 #include "table.h"
@@ -34,28 +34,48 @@ static void put(ancf_place* p, const ancf_model* m, double xi, bool slope) {
     if (slope) ancf_model_slope_weights(p->T, m, p->element, xi);
 }
 
+// Where a segment is held by a ball in the middle of the step.
+static void slide_on_ball(ancf_table* t, ancf_contact* c, const ancf_model* m, const ancf_cubic* cubic, double step) {
+    ancf_place* p = &t->place[c->side[0].place];
+    const motion ball = motion_of(t, &c->side[1], m);
+    ancf_solid solid = {.kind = ANCF_BALL, .size = {c->round}};
+    const ancf_cover line = {.segments = (int)(1.0 / (c->within[1] - c->within[0]) + 0.5)};
+    for (int k = 0; k < 3; k++) solid.center[k] = ball.x[k] + 0.5 * step * ball.v[k];
+    ancf_nearest near;
+    ancf_nearest_place(&near, (int)(c->within[0] * line.segments + 0.5),
+                       ancf_nearest_from(cubic, c->within, solid.center), cubic, 0.0, &solid);
+    double v[3], opening = 0.0;
+    ancf_model_at(v, m, m->v, p->element, near.xi);
+    for (int k = 0; k < 3; k++) opening += near.normal[k] * (v[k] - ball.v[k]);
+    ancf_lying_on(&near, &line, cubic, &solid, ancf_larger(-0.5 * step * opening, 0.0));
+    p->xi = near.xi;
+    ancf_model_mean_weights(p->S, m, p->element, near.power);
+    c->law = ancf_normal_shared(&c->plain, near.share);
+    double way[3];
+    for (int k = 0; k < 3; k++) way[k] = near.point[k] - solid.center[k];
+    c->held = sqrt(ancf_dot(way, way)) - near.gap;
+}
+
 // Places that are nearest to each other in the middle of the step.
-static void slide(ancf_table* t, const ancf_contact* c, const ancf_model* m, double step) {
+static void slide(ancf_table* t, ancf_contact* c, const ancf_model* m, double step) {
     ancf_cubic first, second;
     ancf_place* p = &t->place[c->side[0].place];
     ancf_cover_ahead(&first, m, p->element, 0.5 * step);
-    if (c->radius[0] > 0.0) {
-        ancf_place* q = &t->place[c->side[1].place];
-        double xi[2] = {p->xi, q->xi};
-        ancf_cover_ahead(&second, m, q->element, 0.5 * step);
-        if (!ancf_nearest_settle(xi, &first, c->within, &second)) return;
-        put(p, m, xi[0], ancf_lever_has(c));
-        put(q, m, xi[1], ancf_lever_has(c));
+    if (c->radius[0] == 0.0) {
+        slide_on_ball(t, c, m, &first, step);
         return;
     }
-    motion center = motion_of(t, &c->side[1], m);
-    for (int k = 0; k < 3; k++) center.x[k] += 0.5 * step * center.v[k];
-    put(p, m, ancf_nearest_from(&first, c->within, center.x), false);
+    ancf_place* q = &t->place[c->side[1].place];
+    double xi[2] = {p->xi, q->xi};
+    ancf_cover_ahead(&second, m, q->element, 0.5 * step);
+    if (!ancf_nearest_settle(xi, &first, c->within, &second)) return;
+    put(p, m, xi[0], ancf_lever_has(c));
+    put(q, m, xi[1], ancf_lever_has(c));
 }
 
 // Normal in the middle of the step, gap at its start.
 static void look_again(ancf_contact* c, const motion* first, const motion* second, double step) {
-    const double radii = c->radius[0] > 0.0 ? c->radius[0] + c->radius[1] : c->round;
+    const double radii = c->radius[0] > 0.0 ? c->radius[0] + c->radius[1] : c->held;
     double way[3], opening = 0.0;
     for (int k = 0; k < 3; k++) way[k] = first->x[k] - second->x[k] + 0.5 * step * (first->v[k] - second->v[k]);
     const double along = ancf_dot(way, c->normal), distance = copysign(sqrt(ancf_dot(way, way)), along);

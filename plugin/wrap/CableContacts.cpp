@@ -34,7 +34,7 @@ namespace {
     }
 
     // Distance of a place that is the mean of several from a ball's centre, less the gap, in the middle of the step.
-    Real roundOf(const CableGeom& geom, size_t i, const State& ball, Real dt) {
+    Real heldOf(const CableGeom& geom, size_t i, const State& ball, Real dt) {
         return (geom.point[i] - ball.pos - dt / 2 * ball.vel).norm() - geom.gap[i];
     }
 
@@ -240,7 +240,7 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
     Row row {geom, phys, ancf_table_contacts(table.get()), 0};
     for (size_t i = 0; i < geom->xi.size(); ++i) {
         ancf_contact c {};
-        c.law = phys->normalLaw();
+        c.law = c.plain = phys->normalLaw();
         c.rub = phys->frictionLaw();
         const Vector3r normal = geom->normals[i];
         Vector3r at, speed; // of the first side, where forces act: on a cable at its centreline, as it has no twist
@@ -248,12 +248,11 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
             const ancf_cover& cover = shown->cover[element];
             const Vector3r& power = geom->powers[i];
             c.side[0] = {added(ancf_table_add_mean(table.get(), m, element, power.data())), -1, {0, 0, 0}};
-            const bool slides = !cover.points && !geom->lies(i);
             for (int k = 0; k < 2; ++k)
-                c.within[k] = slides ? Real(geom->segment[i] + k) / cover.segments : geom->xi[i];
+                c.within[k] = cover.points ? geom->xi[i] : Real(geom->segment[i] + k) / cover.segments;
             at = meanOf(m, m->x, element, power);
             speed = meanOf(m, m->v, element, power);
-            c.law = ancf_normal_shared(&c.law, geom->share[i]);
+            c.law = ancf_normal_shared(&c.plain, geom->share[i]);
         } else {
             at = second.state->pos - (geom->refR2 + geom->gap[i] / 2) * normal;
             speed = velocityAt(*second.state, at);
@@ -262,8 +261,10 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         c.side[1] = sideOf(cable, first, at);
         copy(c.normal, normal);
         c.margin = marginAhead * geom->refR2;
-        if (geom->ball && !first.isClumpMember())
-            c.round = geom->lies(i) ? roundOf(*geom, i, *first.state, cable.scene->dt) : geom->refR1 + geom->refR2;
+        if (geom->ball && !first.isClumpMember()) {
+            c.round = geom->refR1 + geom->refR2;
+            c.held = geom->lies(i) ? heldOf(*geom, i, *first.state, cable.scene->dt) : c.round;
+        }
         copy(c.friction, geom->friction[i]);
         Vector3r changing = Vector3r::Zero(); // of cables alone: bodies' accelerations change less
         for (int side = 0; side < 2; ++side) {

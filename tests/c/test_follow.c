@@ -56,9 +56,9 @@ static void meet(meeting* s, int steps) {
     }
     c.owed = ancf_owed(s->owed, s->late, a);
     c.gap = best.gap - 0.5 * whole * opening;
-    c.law = (ancf_normal) {ANCF_NORMAL_HERTZ, 2e7, 1.5, 0.0};
+    c.law = c.plain = (ancf_normal) {ANCF_NORMAL_HERTZ, 2e7, 1.5, 0.0};
     c.rub = (ancf_friction) {ANCF_FRICTION_HOLLARS, 0.3, 0.2, 1e-2};
-    c.round = ball_radius + cable_radius;
+    c.round = c.held = ball_radius + cable_radius;
     c.margin = 0.05 * cable_radius;
     c.within[1] = 1.0;
     ancf_table_clear(s->t);

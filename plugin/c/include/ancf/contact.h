@@ -102,7 +102,10 @@ typedef struct {
     double margin;      // see ancf_table_rest [m]
     bool idle;          // too far to touch in this step
     double within[2];   // part of the first side's element on which its place moves; one point if it does not
-    double round;       // distance of the first side's place from the second's position where they touch [m]; 0: flat
+    double round;       // of a ball and a cable: sum of the radii [m]; 0: not round
+    double held;        // distance of the place from the ball's centre at which the gap is zero: `round`, but where a
+                        // segment lies along it [m]
+    ancf_normal plain;  // law of a single place; `law` where a segment lies along a ball, see lying.h
     double radius[2];   // of two cables: how far from their centrelines they touch; else 0 [m]
     double lever[9];    // turning by a moment, see lever.c [1/m]
     double line[3];     // normal in the middle of the step
