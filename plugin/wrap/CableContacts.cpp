@@ -496,8 +496,9 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
 
 // Ways and speeds for who looks in the next step.
 void CableContacts::follow(const CableEngine& cable) {
-    if (windows > 0 || shown->asked) ancf_motion_follow(motion.get(), cable.theModel(), cable.scene->dt);
-    else ++shown->epoch;
+    const bool follows = windows > 0 || shown->asked;
+    if (follows) ancf_motion_follow(motion.get(), cable.theModel(), cable.scene->dt);
+    if (!follows || !cable.sleep) ++shown->epoch;
     shown->asked = false;
     shown->resting.resize(cable.scene->interactions->size());
 }

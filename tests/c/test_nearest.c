@@ -629,6 +629,27 @@ static void segments_by_themselves(void** state) {
     assert_true(left_out > 100);
 }
 
+// No point of a curve is nearer than its least distance, which is near for curves that bend little.
+static void least_distances(void** state) {
+    (void)state;
+    uint64_t seed = 41;
+    double loosest = 0.0;
+    for (int run = 0; run < 4000; ++run) {
+        const double bend = run % 2 ? 0.02 : 0.5;
+        const ancf_cubic c = random_cubic(&seed, 0.3, 1.0, bend);
+        double point[3], at[3], least = INFINITY;
+        for (int k = 0; k < 3; k++) point[k] = random_between(&seed, -2.0, 2.0);
+        for (int i = 0; i <= SAMPLES; i++) {
+            ancf_cubic_at(at, &c, (double)i / SAMPLES);
+            least = fmin(least, distance(at, point));
+        }
+        const double told = ancf_nearest_least(&c, point);
+        assert_true(told <= least);
+        if (bend < 0.1) loosest = fmax(loosest, least - told);
+    }
+    assert_true(loosest < 0.026); // |r''| <= 0.83, on halves: an eighth of a quarter
+}
+
 static void curves_and_slopes(void** state) {
     (void)state;
     uint64_t seed = 13;
@@ -656,13 +677,21 @@ static void curves_and_slopes(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(distances_of_solids),         cmocka_unit_test(distances_by_hand),
-        cmocka_unit_test(planar_stays_planar),         cmocka_unit_test(cables_on_solids),
-        cmocka_unit_test(wild_cables_on_solids),       cmocka_unit_test(cables_on_cables),
-        cmocka_unit_test(wild_cables_on_cables),       cmocka_unit_test(straight_lines),
-        cmocka_unit_test(along_is_held_in_the_middle), cmocka_unit_test(gaps_move_with_the_scene),
-        cmocka_unit_test(degenerate_cables),           cmocka_unit_test(same_in_same_out),
-        cmocka_unit_test(curves_and_slopes),           cmocka_unit_test(segments_by_themselves),
+        cmocka_unit_test(distances_of_solids),
+        cmocka_unit_test(distances_by_hand),
+        cmocka_unit_test(planar_stays_planar),
+        cmocka_unit_test(cables_on_solids),
+        cmocka_unit_test(wild_cables_on_solids),
+        cmocka_unit_test(cables_on_cables),
+        cmocka_unit_test(wild_cables_on_cables),
+        cmocka_unit_test(straight_lines),
+        cmocka_unit_test(along_is_held_in_the_middle),
+        cmocka_unit_test(gaps_move_with_the_scene),
+        cmocka_unit_test(degenerate_cables),
+        cmocka_unit_test(same_in_same_out),
+        cmocka_unit_test(least_distances),
+        cmocka_unit_test(curves_and_slopes),
+        cmocka_unit_test(segments_by_themselves),
     };
     return cmocka_run_group_tests_name("nearest", tests, NULL, NULL);
 }
