@@ -139,11 +139,6 @@ namespace {
                       std::max(-dt / 2 * vectorOf(place.normal).dot(speed), Real(0)));
     }
 
-    // What is looked for around an element.
-    Real reachOf(const Scene& scene, Real speed, Real radius) {
-        return stepsAhead * scene.dt * speed + marginAhead * radius;
-    }
-
     // The way of a sphere in the middle of the step against the mean of the cable's nodes.
     Vector3r placeAgainstMean(const CableView& view, const State& state, Real dt) {
         return state.pos + dt / 2 * state.vel - vectorOf(view.motion->mean_way);
@@ -197,7 +192,7 @@ namespace {
             ancf_cubic cubic;
             ancf_cover_ahead(&cubic, view->model, element.element, scene.dt / 2);
             const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(*view->model, element.element);
-            const Real reach = reachOf(scene, speed, cover.radius);
+            const Real reach = stepsAhead * scene.dt * speed + marginAhead * cover.radius;
             n = ancf_cover_touch(found.data(), &cover, &cubic, &solid, reach);
             for (int i = 0; i < n; ++i) lieOn(found[i], solid, *view, element.element, cubic, state, scene.dt);
         }
