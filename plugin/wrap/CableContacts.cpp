@@ -122,6 +122,7 @@ void CableContacts::build(CableEngine& cable) {
     shown->boxes = boxes.get();
     shown->motion = motion.get();
     shown->model = m;
+    shown->followed = false;
     ++shown->epoch;
     outgrown = true;
 }
@@ -321,7 +322,7 @@ void CableContacts::addCrossings(CableEngine& cable) {
     const ancf_model* m = cable.theModel();
     firstCrossing = ancf_table_contacts(table.get());
     if (windows == 0) return;
-    ancf_motion_follow(motion.get(), m, cable.scene->dt); // what was changed since the last step
+    ancf_motion_follow(motion.get(), m, cable.scene->dt);
     added(ancf_cross_add(table.get(), apart.get(), shown->cover.data(), m, laws.data(), kinds, cable.scene->dt,
                          memory.data(), static_cast<int>(memory.size())));
 }
@@ -494,13 +495,14 @@ void CableContacts::give(CableEngine& cable, const ancf_time& time) {
     }
 }
 
-// Ways and speeds for who looks in the next step.
+// Ways and speeds for spheres that ask in the next step; if none asked in this one, what rested is forgotten.
 void CableContacts::follow(const CableEngine& cable) {
-    const bool follows = windows > 0 || shown->asked;
-    if (follows) ancf_motion_follow(motion.get(), cable.theModel(), cable.scene->dt);
-    if (!follows || !cable.sleep) ++shown->epoch;
-    shown->asked = false;
-    shown->resting.resize(cable.scene->interactions->size());
+    shown->followed = shown->asked.exchange(false);
+    if (shown->followed) {
+        ancf_motion_follow(motion.get(), cable.theModel(), cable.scene->dt);
+        shown->resting.resize(cable.scene->interactions->size());
+    }
+    if (!shown->followed || !cable.sleep) ++shown->epoch;
 }
 
 void CableContacts::look(CableEngine& cable) {

@@ -32,9 +32,10 @@ struct CableView {
     const ancf_motion* motion = nullptr;
     vector<ancf_cover> cover; // by element
     // Pairs that rest, by the number of their Interaction, so that threads do not meet. Valid in one epoch: while the
-    // motion is followed in each step, as it is if any pair asked.
+    // motion is followed at the end of each step, as it is if any pair asked.
     mutable vector<Resting> resting;
     mutable std::atomic<bool> asked {false};
+    bool followed = false; // at the end of the last step
     long epoch = 0;
 };
 

@@ -148,7 +148,7 @@ namespace {
     Resting* restingOf(const CableView& view, const Scene& scene, const Interaction& contact) {
         view.asked.store(true, std::memory_order_relaxed);
         const size_t i = static_cast<size_t>(contact.linIx);
-        const bool known = i < view.resting.size() && view.motion->looks > 0 && view.motion->step == scene.dt;
+        const bool known = view.followed && i < view.resting.size() && view.motion->step == scene.dt;
         return known ? &view.resting[i] : nullptr;
     }
 

@@ -494,6 +494,30 @@ def test_edges_folded_at_a_knot_do_not_kick(scene, elements, fold):
     assert contacts == 0 and fastest < 1e-9
 
 
+def test_a_cable_that_goes_slowly_and_comes_back_fast_is_seen(scene):
+    """It leaves the sphere's neighbourhood in small boxes and returns in large ones, so that what
+    was known of its way is old when they meet again; resting changes no bit.
+    """
+    ends = []
+    for sleep in (True, False):
+        O.reset()
+        material("cable", young=1e7, density=1000)
+        cable = ancf.Cable([(0, 0, 0), (0.1, 0, 0)], 4, diameter=2e-3, material="cable")
+        ball((0.04, 0, -0.012), 0.01, material="cable")
+        O.engines = ancf.engines(cable, contact=dict(friction="none"))
+        cable.engine.sleep = sleep
+        cable.setVelocity(lambda p: Vector3(0, 0, 0.05))
+        steps(2200)
+        assert len(O.interactions) == 0
+        cable.setVelocity(lambda p: Vector3(0, 0, -5.0))
+        while cable.engine.contacts == 0:
+            steps(1)
+            assert cable.knots[0][2] > -0.01, "passed"
+        ends.append((O.iter, list(cable.engine.position), cable.engine.maxPenetration))
+    assert ends[0] == ends[1]
+    assert ends[0][2] < 5.0 * O.dt
+
+
 @pytest.mark.xfail(
     strict=True, reason="elements that share a node never touch, however long: they pass, 59 mm"
 )
