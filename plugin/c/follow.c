@@ -1,5 +1,6 @@
 // Contacts go on into the next step of the cable: what is near was found once, where it touches is found anew from
 // where it was.
+#include "ancf/cover.h"
 #include "ancf/lying.h"
 #include "internal.h"
 #include "lever.h"
@@ -39,15 +40,15 @@ static void slide_on_ball(ancf_table* t, ancf_contact* c, const ancf_model* m, c
     ancf_place* p = &t->place[c->side[0].place];
     const motion ball = motion_of(t, &c->side[1], m);
     ancf_solid solid = {.kind = ANCF_BALL, .size = {c->round}};
-    const ancf_cover line = {.segments = (int)(1.0 / (c->within[1] - c->within[0]) + 0.5)};
+    const int segments = (int)(1.0 / (c->within[1] - c->within[0]) + 0.5);
     for (int k = 0; k < 3; k++) solid.center[k] = ball.x[k] + 0.5 * step * ball.v[k];
     ancf_nearest near;
-    ancf_nearest_place(&near, (int)(c->within[0] * line.segments + 0.5),
-                       ancf_nearest_from(cubic, c->within, solid.center), cubic, 0.0, &solid);
+    ancf_nearest_place(&near, (int)(c->within[0] * segments + 0.5), ancf_nearest_from(cubic, c->within, solid.center),
+                       cubic, 0.0, &solid);
     double v[3], opening = 0.0;
     ancf_model_at(v, m, m->v, p->element, near.xi);
     for (int k = 0; k < 3; k++) opening += near.normal[k] * (v[k] - ball.v[k]);
-    ancf_lying_on(&near, &line, cubic, &solid, ancf_larger(-0.5 * step * opening, 0.0));
+    ancf_lying_on(&near, cubic, segments, 0.0, &solid, ancf_larger(-0.5 * step * opening, 0.0));
     p->xi = near.xi;
     ancf_model_mean_weights(p->S, m, p->element, near.power);
     c->law = ancf_normal_shared(&c->plain, near.share);

@@ -77,12 +77,12 @@ static void take_mean(ancf_nearest* place, const ancf_spot spot[ANCF_LYING_SPOTS
     *place = mean;
 }
 
-void ancf_lying_on(ancf_nearest* place, const ancf_cover* cover, const ancf_cubic* cubic, const ancf_solid* solid,
+void ancf_lying_on(ancf_nearest* place, const ancf_cubic* cable, int segments, double radius, const ancf_solid* solid,
                    double more) {
-    if (cover->points || !(place->gap < more)) return;
+    if (!(place->gap < more)) return;
     ancf_spot spot[ANCF_LYING_SPOTS] = {spot_of(place, more)};
-    ancf_lying_along(spot, place->segment, cover->segments);
-    for (int i = 1; i < ANCF_LYING_SPOTS; ++i) probe(&spot[i], cubic, solid, cover->radius + more);
+    ancf_lying_along(spot, place->segment, segments);
+    for (int i = 1; i < ANCF_LYING_SPOTS; ++i) probe(&spot[i], cable, solid, radius + more);
     double spread;
     const double depth = ancf_lying_depth(spot, &spread);
     if (spot[0].part < 1.0) take_mean(place, spot, depth, more);

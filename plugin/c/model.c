@@ -224,22 +224,20 @@ void ancf_model_destroy(ancf_model* m) {
 }
 
 // Weights of an element's four unknowns at xi: cubic, or linear between a spring's ends.
-void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi) {
-    if (m->element[element].kind & ANCF_SPRING) {
-        S[0] = 1.0 - xi;
-        S[1] = S[3] = 0.0;
-        S[2] = xi;
-    } else {
-        ancf_shape(S, xi, m->element[element].length);
-    }
-}
-
 void ancf_model_mean_weights(double S[4], const ancf_model* m, int element, const double power[3]) {
     if (m->element[element].kind & ANCF_SPRING) {
-        ancf_model_weights(S, m, element, power[0]);
+        S[0] = 1.0 - power[0];
+        S[1] = S[3] = 0.0;
+        S[2] = power[0];
     } else {
         ancf_shape_mean(S, power, m->element[element].length);
     }
+}
+
+void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi) {
+    double power[3];
+    ancf_powers(power, xi);
+    ancf_model_mean_weights(S, m, element, power);
 }
 
 void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, double xi) {
@@ -270,7 +268,9 @@ void ancf_model_mean_at(double value[3], const ancf_model* m, const double* fiel
 }
 
 void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi) {
-    ancf_model_mean_at(value, m, field, element, (double[3]) {xi, xi * xi, xi * xi * xi});
+    double power[3];
+    ancf_powers(power, xi);
+    ancf_model_mean_at(value, m, field, element, power);
 }
 
 void ancf_model_join(const ancf_model* m, double* force) {

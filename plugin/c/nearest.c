@@ -1,4 +1,5 @@
 #include "ancf/nearest.h"
+#include "ancf/shape.h"
 #include "internal.h"
 
 #include <float.h>
@@ -339,9 +340,8 @@ static spot nearest_of(const strand* s, const double point[3]) {
 void ancf_nearest_place(ancf_nearest* place, int segment, double xi, const ancf_cubic* cable, double radius,
                         const ancf_solid* solid) {
     place->segment = segment;
-    place->xi = place->power[0] = xi;
-    place->power[1] = xi * xi;
-    place->power[2] = xi * xi * xi;
+    place->xi = xi;
+    ancf_powers(place->power, xi);
     place->share = 1.0;
     ancf_cubic_at(place->point, cable, xi);
     place->gap = ancf_solid_distance(place->normal, solid, place->point) - radius;

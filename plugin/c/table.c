@@ -75,7 +75,9 @@ int ancf_table_add_mean(ancf_table* t, const ancf_model* m, int element, const d
 }
 
 int ancf_table_add_place(ancf_table* t, const ancf_model* m, int element, double xi) {
-    return ancf_table_add_mean(t, m, element, (double[3]) {xi, xi * xi, xi * xi * xi});
+    double power[3];
+    ancf_powers(power, xi);
+    return ancf_table_add_mean(t, m, element, power);
 }
 
 int ancf_table_add_slope(ancf_table* t, const ancf_model* m, int element, double xi) {

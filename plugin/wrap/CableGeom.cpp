@@ -135,7 +135,8 @@ namespace {
                const ancf_cubic& cubic, const State& state, Real dt) {
         const Vector3r point = vectorOf(place.point),
                        speed = placeOf(view.model, view.model->v, element, place.xi) - velocityAt(state, point);
-        ancf_lying_on(&place, &view.cover[element], &cubic, &solid,
+        const ancf_cover& cover = view.cover[element];
+        ancf_lying_on(&place, &cubic, cover.segments, cover.radius, &solid,
                       std::max(-dt / 2 * vectorOf(place.normal).dot(speed), Real(0)));
     }
 
@@ -194,7 +195,8 @@ namespace {
             const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(*view->model, element.element);
             const Real reach = stepsAhead * scene.dt * speed + marginAhead * cover.radius;
             n = ancf_cover_touch(found.data(), &cover, &cubic, &solid, reach);
-            for (int i = 0; i < n; ++i) lieOn(found[i], solid, *view, element.element, cubic, state, scene.dt);
+            for (int i = 0; i < n && !cover.points; ++i)
+                lieOn(found[i], solid, *view, element.element, cubic, state, scene.dt);
         }
         return accept(contact, found.data(), n, radius > 0 ? radius : cover.radius, cover.radius,
                       solid.kind == ANCF_BALL);

@@ -1,6 +1,7 @@
 // How a segment that lies along something is held: one depth, its derivatives, the mean place.
 #include "check.h"
 
+#include "ancf/cover.h"
 #include "ancf/law.h"
 #include "ancf/lying.h"
 #include "ancf/shape.h"
@@ -75,7 +76,7 @@ static ancf_nearest held(ancf_cubic c, double depth, double more) {
     ancf_nearest found;
     for (int k = 0; k < 4; ++k) c.control[k][2] += 0.1 - depth;
     assert_int_equal(ancf_cover_touch(&found, &cover, &c, &floor_plane, more + 1e-3), 1);
-    ancf_lying_on(&found, &cover, &c, &floor_plane, more);
+    ancf_lying_on(&found, &c, cover.segments, cover.radius, &floor_plane, more);
     return found;
 }
 

@@ -9,7 +9,7 @@
 #ifndef ANCF_LYING_H
 #define ANCF_LYING_H
 
-#include "cover.h"
+#include "nearest.h"
 
 // The deepest place, the farther end, and Gauss's points along the segment.
 enum { ANCF_LYING_FIRST = 2, ANCF_LYING_SPOTS = ANCF_LYING_FIRST + 4 };
@@ -30,7 +30,7 @@ double ancf_lying_depth(ancf_spot spot[ANCF_LYING_SPOTS], double* spread);
 
 // Makes a segment's nearest place on a solid the mean of those that hold it. Depths are larger by `more` [m] for that:
 // so much it may still sink in.
-void ancf_lying_on(ancf_nearest* place, const ancf_cover* cover, const ancf_cubic* cubic, const ancf_solid* solid,
+void ancf_lying_on(ancf_nearest* place, const ancf_cubic* cable, int segments, double radius, const ancf_solid* solid,
                    double more);
 
 #endif

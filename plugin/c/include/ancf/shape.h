@@ -6,6 +6,12 @@
 #ifndef ANCF_SHAPE_H
 #define ANCF_SHAPE_H
 
+static inline void ancf_powers(double power[3], double xi) {
+    power[0] = xi;
+    power[1] = xi * xi;
+    power[2] = xi * xi * xi;
+}
+
 // Means of S over several xi, from the means of xi, xi^2 and xi^3.
 static inline void ancf_shape_mean(double S[4], const double power[3], double length) {
     S[0] = 1.0 - 3.0 * power[1] + 2.0 * power[2];
@@ -16,7 +22,8 @@ static inline void ancf_shape_mean(double S[4], const double power[3], double le
 
 // S[4]: weights of (r0, g0, r1, g1) in the position at xi; Eq. 3-4. length [m].
 static inline void ancf_shape(double S[4], double xi, double length) {
-    const double power[3] = {xi, xi * xi, xi * xi * xi};
+    double power[3];
+    ancf_powers(power, xi);
     ancf_shape_mean(S, power, length);
 }
 
