@@ -274,11 +274,12 @@ def test_restitution_of_a_grain_on_a_cable(scene, ratio, velocity):
     assert gained < 0
 
 
-@pytest.mark.parametrize("velocity", SPEEDS)
+@pytest.mark.parametrize("velocity, limit", [(0.1, 1e-3), (1.5, 5e-3), (10.0, 1e-2)])
 @pytest.mark.parametrize("ratio", [0.01, 1, 100])
-def test_restitution_where_contacts_are_found_every_third_step(scene, ratio, velocity):
+def test_restitution_where_contacts_are_found_every_third_step(scene, ratio, velocity, limit):
+    """What the guide says of substeps=3: as exact as one."""
     worst, gained = grainsOnCable(ratio, velocity, substeps=3)
-    assert worst[0] < 1e-2
+    assert worst[0] < limit
     assert worst[1] < 1e-12 and worst[2] < 1e-9
     assert gained < 0
 
