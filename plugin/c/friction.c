@@ -4,6 +4,7 @@
 //
 // Explicit friction would need a step of 2 m v0/((2 mu_s - mu_k) f_n). Here each contact's friction belongs to the
 // velocity that is left, found contact by contact until none changes (Gauss-Seidel).
+#include "drag.h"
 #include "lever.h"
 
 #include <math.h>
@@ -37,46 +38,21 @@ static void rub(ancf_table* t, const ancf_contact* c, const double impulse[3], d
     if (ancf_lever_has(c)) ancf_lever_kick(t, c, impulse);
 }
 
-// Mean over the tangent plane of a body's response at the point, half the trace of P (M^-1 - [a] I^-1 [a]) P [1/kg].
-static double body_across(const ancf_body* b, const double arm[3], const double normal[3]) {
-    const double *J = b->inv_inertia, *a = arm;
-    double side[3], turn[3], trace = 0.0;
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        trace += b->inv_mass[i] * (1.0 - normal[i] * normal[i]);
-        trace += J[4 * i] * (a[j] * a[j] + a[k] * a[k]);
-        trace -= (J[3 * i + j] + J[3 * j + i]) * a[i] * a[j];
-    }
-    ancf_cross(side, arm, normal);
-    ancf_multiply(turn, J, side);
-    const double raised = ancf_dot(b->along, normal);
-    trace += ancf_dot(b->along, b->along) - raised * raised;
-    return 0.5 * (trace - ancf_dot(side, turn));
-}
-
-// Effective inverse mass across the normal, its mean over directions [1/kg].
-static double across(const ancf_table* t, const ancf_contact* c) {
-    if (ancf_lever_has(c)) return ancf_lever_across(t, c);
-    double w = 0.0;
-    for (int s = 0; s < 2; ++s) {
-        if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
-        if (c->side[s].body >= 0) w += body_across(&t->body[c->side[s].body], c->side[s].arm, c->normal);
-    }
-    return w;
-}
-
-// The same along a vector, but no less than that mean, with which sweeps could go too far.
-static double along(const ancf_table* t, const ancf_contact* c, const double vector[3]) {
-    const double size = sqrt(ancf_dot(vector, vector));
-    if (ancf_lever_has(c) || !(size > 0.0)) return c->own;
-    const double direction[3] = {vector[0] / size, vector[1] / size, vector[2] / size};
-    return ancf_larger(c->own, ancf_table_compliance(t, c, direction));
-}
-
 static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind != ANCF_FRICTION_NONE; }
 
 // Largest impulse of friction [N s].
 static double most_of(const ancf_contact* c) { return ancf_larger(c->rub.mu_s, c->rub.mu_k) * c->impulse; }
+
+static double square(const double v[2]) { return v[0] * v[0] + v[1] * v[1]; }
+
+// Slip by a unit impulse along a direction, along it [1/kg], but no less than its mean over directions, with which
+// sweeps could go too far.
+static double along(const ancf_drag* d, const double v[2]) {
+    const double mean = 0.5 * (d->own[0] + d->own[2]), size = square(v);
+    if (!(size > 0.0)) return mean;
+    return ancf_larger(mean,
+                       (d->own[0] * v[0] * v[0] + 2.0 * d->own[1] * v[0] * v[1] + d->own[2] * v[1] * v[1]) / size);
+}
 
 // Coefficient of friction at the speed that it leaves of a speed.
 static double coefficient_left(ancf_contact* c, double speed, double beta, int sweep) {
@@ -91,59 +67,58 @@ static double coefficient_left(ancf_contact* c, double speed, double beta, int s
 // Puts one contact's friction right while the others' stay; returns the square of its change [N2 s2]. Its own part is
 // taken off the velocity, the scalar equation solved along what is left, and the new part put on: where nothing changes
 // any more, the friction belongs to the true velocity, whatever w was.
-static double rub_one(ancf_table* t, ancf_contact* c, double step, double largest, int sweep) {
-    double v[3], change[3], moved = 0.0;
-    slip_of(v, t, c);
-    for (int i = 0; i < 3; i++) v[i] -= c->lag[i];
-    project(v, c->normal);
-    const double w = along(t, c, ancf_dot(c->friction, c->friction) > 0.0 ? c->friction : v);
-    for (int i = 0; i < 3; i++) {
-        v[i] -= w * step * c->friction[i];
-        moved = ancf_larger(moved, fabs(v[i] - c->without[i]));
+static double rub_one(ancf_table* t, ancf_contact* c, ancf_drag* d, double largest, int sweep) {
+    double v[2];
+    ancf_drag_slip(v, t, c, d);
+    const double w = along(d, square(d->impulse) > 0.0 ? d->impulse : v);
+    double moved = 0.0;
+    for (int a = 0; a < 2; ++a) {
+        v[a] -= w * d->impulse[a];
+        moved = ancf_larger(moved, fabs(v[a] - d->without[a]));
+        d->change[a] = 0.0;
     }
-    c->change[0] = c->change[1] = c->change[2] = 0.0;
-    if (moved <= tolerance * c->own * largest) return 0.0;
-    memcpy(c->without, v, sizeof v);
-    const double speed = sqrt(ancf_dot(v, v));
-    const double coefficient = coefficient_left(c, speed, w * c->impulse, sweep);
-    const double force = coefficient * c->impulse / step;
-    for (int i = 0; i < 3; i++) {
-        const double friction = speed > 0.0 ? -force * (v[i] / speed) : 0.0;
-        change[i] = step * (friction - c->friction[i]);
-        c->friction[i] = friction;
+    if (moved <= tolerance * w * largest) return 0.0;
+    d->without[0] = v[0];
+    d->without[1] = v[1];
+    const double speed = sqrt(square(v));
+    const double bound = coefficient_left(c, speed, w * c->impulse, sweep) * c->impulse;
+    for (int a = 0; a < 2; ++a) {
+        const double wanted = speed > 0.0 ? -bound * (v[a] / speed) : 0.0;
+        d->change[a] = wanted - d->impulse[a];
+        d->impulse[a] = wanted;
     }
-    rub(t, c, change, step);
-    memcpy(c->change, change, sizeof change);
-    return ancf_dot(change, change);
+    ancf_drag_give(t, c, d, d->change);
+    return square(d->change);
 }
 
 // How much of its last change is still to come for a contact whose last two changes are terms of a geometric series; 0
 // where they are not.
-static double to_come(const ancf_contact* c) {
-    const double before = ancf_dot(c->former, c->former), both = ancf_dot(c->former, c->change),
-                 now = ancf_dot(c->change, c->change);
+static double to_come(const ancf_drag* d) {
+    const double before = square(d->former), now = square(d->change),
+                 both = d->former[0] * d->change[0] + d->former[1] * d->change[1];
     if (!(both > 0.0) || both > slowest * before || now * before - both * both > misfit * misfit * now * before)
         return 0.0;
     return both / (before - both);
 }
 
 // Lets frictions of a group go to where the last two sweeps lead, as far as friction can be. False: they lead nowhere.
-static bool lead_on(ancf_table* t, const ancf_contact_group* g, double step) {
+static bool lead_on(ancf_table* t, const ancf_contact_group* g) {
     bool led = false;
     for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
-        ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
-        const double more = rubs(c) ? to_come(c) : 0.0;
+        const int i = t->groups.list[ANCF_CONTACTS][k];
+        const ancf_contact* c = &t->contact[i];
+        ancf_drag* d = &t->drag[i];
+        const double more = rubs(c) ? to_come(d) : 0.0;
         if (more == 0.0) continue;
-        double wanted[3], P[3];
-        for (int i = 0; i < 3; i++) wanted[i] = step * c->friction[i] + more * c->change[i];
-        const double bound = most_of(c), size = sqrt(ancf_dot(wanted, wanted)),
-                     kept = size > bound ? bound / size : 1.0;
-        for (int i = 0; i < 3; i++) {
-            P[i] = kept * wanted[i] - step * c->friction[i];
-            c->friction[i] = kept * wanted[i] / step;
+        double wanted[2], change[2];
+        for (int a = 0; a < 2; ++a) wanted[a] = d->impulse[a] + more * d->change[a];
+        const double bound = most_of(c), size = sqrt(square(wanted)), kept = size > bound ? bound / size : 1.0;
+        for (int a = 0; a < 2; ++a) {
+            change[a] = kept * wanted[a] - d->impulse[a];
+            d->impulse[a] = kept * wanted[a];
         }
-        rub(t, c, P, step);
-        c->without[0] = INFINITY; // solved again
+        ancf_drag_give(t, c, d, change);
+        d->without[0] = INFINITY; // solved again
         led = true;
     }
     return led;
@@ -194,29 +169,70 @@ void ancf_table_guess(ancf_table* t, double step) {
     t->guessed = true;
 }
 
+// Velocities of the end of the step turn into their means over it, as normal forces act in the course of it.
+static void turn_back(ancf_table* t, double step) {
+    for (int i = 0; i < t->n_places; ++i) memset(t->place[i].pushed, 0, sizeof t->place[i].pushed);
+    for (int i = 0; i < t->n_places; ++i) {
+        const ancf_place* p = &t->place[i];
+        double late[3];
+        for (int c = 0; c < 3; c++) late[c] = p->impulse[c] - p->moment[c] / step;
+        if (late[0] == 0.0 && late[1] == 0.0 && late[2] == 0.0) continue;
+        for (int k = t->first[i]; k < t->first[i + 1]; ++k) {
+            double* pushed = t->place[t->other[k]].pushed;
+            for (int c = 0; c < 3; c++) {
+                pushed[c] -= t->effect[k] * late[c];
+                pushed[3 + c] -= t->bend[k].to * late[c];
+            }
+        }
+    }
+    for (int i = 0; i < t->n_bodies; ++i) {
+        ancf_body* b = &t->body[i];
+        for (int c = 0; c < 3; c++) {
+            b->pushed[c] = b->before[c] + b->shift[c] / step - b->velocity[c];
+            b->pushed[3 + c] = b->before[3 + c] + b->turn[c] / step - b->spin[c];
+        }
+    }
+}
+
 // Starts from the guess, in the tangent plane and no larger than friction can be. Returns that bound [N s].
-static double start(ancf_table* t, ancf_contact* c, double step) {
-    project(c->friction, c->normal);
-    const double bound = most_of(c);
-    const double size = step * sqrt(ancf_dot(c->friction, c->friction)), part = size > bound ? bound / size : 1.0;
+static double start(ancf_table* t, ancf_contact* c, ancf_drag* d, double step) {
+    double slip[3], change[2];
+    ancf_drag_find(t, c, d);
+    slip_of(slip, t, c);
+    const double bound = rubs(c) ? most_of(c) : 0.0;
+    for (int a = 0; a < 2; ++a) {
+        d->impulse[a] = step * ancf_dot(d->tangent[a], c->friction);
+        d->slip[a] = ancf_dot(d->tangent[a], slip);
+        d->change[a] = 0.0;
+        d->without[a] = INFINITY; // solved once at least
+    }
+    const double size = sqrt(square(d->impulse)), part = size > bound ? bound / size : 1.0;
+    for (int a = 0; a < 2; ++a) {
+        d->impulse[a] *= part;
+        change[a] = d->impulse[a] - step * ancf_dot(d->tangent[a], c->guess);
+    }
+    ancf_drag_give(t, c, d, change);
+    return bound;
+}
+
+// Gives the friction that was found to all that feels it.
+static void finish(ancf_table* t, ancf_contact* c, const ancf_drag* d, double step) {
     double P[3];
     for (int i = 0; i < 3; i++) {
-        c->friction[i] *= rubs(c) ? part : 0.0;
+        c->friction[i] = (d->impulse[0] * d->tangent[0][i] + d->impulse[1] * d->tangent[1][i]) / step;
         P[i] = step * (c->friction[i] - c->guess[i]);
     }
     rub(t, c, P, step);
-    if (!rubs(c)) return 0.0;
-    c->own = across(t, c);
-    c->change[0] = c->change[1] = c->change[2] = 0.0;
-    c->without[0] = c->without[1] = c->without[2] = INFINITY; // solved once at least
-    return bound;
 }
 
 // Friction of what presses in a group. Returns the number of sweeps.
 static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, double* left) {
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     double largest = 0.0, change = 0.0;
-    for (int k = first; k < end; ++k) largest = ancf_larger(largest, start(t, &t->contact[contact[k]], step));
+    for (int k = first; k < end; ++k) {
+        const int i = contact[k];
+        largest = ancf_larger(largest, start(t, &t->contact[i], &t->drag[i], step));
+    }
     double last = INFINITY;             // change when it was led on
     int sweep = 0, since = 0, wait = 3; // sweeps since then, and until next; longer where it did not help
     while (largest > 0.0 && sweep < SWEEPS_MAX) {
@@ -224,73 +240,20 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
         ++sweep;
         for (int k = first; k < end; ++k) {
             ancf_contact* c = &t->contact[contact[k]];
+            ancf_drag* d = &t->drag[contact[k]];
             if (!rubs(c)) continue;
-            memcpy(c->former, c->change, sizeof c->former);
-            change = ancf_larger(change, rub_one(t, c, step, largest, sweep));
+            memcpy(d->former, d->change, sizeof d->former);
+            change = ancf_larger(change, rub_one(t, c, d, largest, sweep));
         }
         if (change <= tolerance * tolerance * largest * largest) break;
-        if (++since < wait || sweep == SWEEPS_MAX || !lead_on(t, g, step)) continue;
+        if (++since < wait || sweep == SWEEPS_MAX || !lead_on(t, g)) continue;
         if (change > 0.25 * last) wait *= 2;
         last = change;
         since = 0;
     }
+    for (int k = first; k < end; ++k) finish(t, &t->contact[contact[k]], &t->drag[contact[k]], step);
     if (largest > 0.0) *left = ancf_larger(*left, sqrt(change) / largest);
     return sweep;
-}
-
-// Velocities less their means over the step, as normal forces act in the course of it.
-static void find_lags(ancf_table* t, double step) {
-    for (int i = 0; i < t->n_places; ++i) memset(t->place[i].lag, 0, sizeof t->place[i].lag);
-    for (int i = 0; i < t->n_places; ++i) {
-        const ancf_place* p = &t->place[i];
-        double late[3];
-        for (int c = 0; c < 3; c++) late[c] = p->impulse[c] - p->moment[c] / step;
-        if (late[0] == 0.0 && late[1] == 0.0 && late[2] == 0.0) continue;
-        for (int k = t->first[i]; k < t->first[i + 1]; ++k) {
-            double* lag = t->place[t->other[k]].lag;
-            for (int c = 0; c < 3; c++) {
-                lag[c] += t->effect[k] * late[c];
-                lag[3 + c] += t->bend[k].to * late[c];
-            }
-        }
-    }
-    for (int i = 0; i < t->n_bodies; ++i) {
-        ancf_body* b = &t->body[i];
-        for (int c = 0; c < 3; c++) {
-            b->lag[c] = b->velocity[c] - b->before[c] - b->shift[c] / step;
-            b->lag[3 + c] = b->spin[c] - b->before[3 + c] - b->turn[c] / step;
-        }
-    }
-}
-
-static void swap(double a[3], double b[3]) {
-    for (int c = 0; c < 3; c++) {
-        const double kept = a[c];
-        a[c] = b[c];
-        b[c] = kept;
-    }
-}
-
-static void swap_lags(ancf_table* t) {
-    for (int i = 0; i < t->n_places; ++i) {
-        swap(t->place[i].velocity, t->place[i].lag);
-        swap(t->place[i].bending, t->place[i].lag + 3);
-    }
-    for (int i = 0; i < t->n_bodies; ++i) {
-        swap(t->body[i].velocity, t->body[i].lag);
-        swap(t->body[i].spin, t->body[i].lag + 3);
-    }
-}
-
-// Slips of the lags, with which those of the velocities are too large.
-static void slip_lags(ancf_table* t, double step) {
-    find_lags(t, step);
-    swap_lags(t);
-    for (int i = 0; i < t->groups.contacts; ++i) {
-        ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][i]];
-        slip_of(c->lag, t, c);
-    }
-    swap_lags(t);
 }
 
 int ancf_table_rub(ancf_table* t, double step, double* left) {
@@ -302,7 +265,7 @@ int ancf_table_rub(ancf_table* t, double step, double* left) {
         slip_of(now, t, &t->contact[live[i]]);
         for (int k = 0; k < 3; k++) slip[k] = (t->guessed ? slip[k] : now[k]) - 0.5 * now[k];
     }
-    slip_lags(t, step);
+    turn_back(t, step);
     for (int k = 0; k < t->groups.n; ++k) {
         const int needed = rub_group(t, &t->groups.group[k], step, left);
         if (needed > sweeps) sweeps = needed;

@@ -68,10 +68,18 @@ static void couples(double w[2][3], const ancf_table* t, const ancf_contact* c, 
     }
 }
 
-void ancf_lever_kick(ancf_table* t, const ancf_contact* c, const double impulse[3]) {
+void ancf_lever_couples(double first[3], double second[3], const ancf_table* t, const ancf_contact* c,
+                        const double impulse[3]) {
     double w[2][3], moment[3];
     ancf_cross(moment, c->start, impulse);
     couples(w, t, c, moment);
+    memcpy(first, w[0], sizeof w[0]);
+    memcpy(second, w[1], sizeof w[1]);
+}
+
+void ancf_lever_kick(ancf_table* t, const ancf_contact* c, const double impulse[3]) {
+    double w[2][3];
+    ancf_lever_couples(w[0], w[1], t, c, impulse);
     for (int s = 0; s < 2; ++s) ancf_table_kick_slope(t, c->side[s].place, w[s]);
 }
 
@@ -86,32 +94,6 @@ void ancf_lever_slip(double v[3], const ancf_table* t, const ancf_contact* c) {
     ancf_multiply(turning, c->lever, sum);
     ancf_cross(more, c->start, turning);
     for (int i = 0; i < 3; i++) v[i] += more[i];
-}
-
-double ancf_lever_across(const ancf_table* t, const ancf_contact* c) {
-    const int *p = &c->side[0].place, *q = &c->side[1].place;
-    const ancf_effects self[2] = {ancf_table_effects(t, *p, *p), ancf_table_effects(t, *q, *q)},
-                       mutual = ancf_table_effects(t, *p, *q);
-    double f[2][3], sum = 0.0;
-    const double* n = c->normal;
-    const int least = fabs(n[0]) < fabs(n[1]) ? (fabs(n[0]) < fabs(n[2]) ? 0 : 2) : (fabs(n[1]) < fabs(n[2]) ? 1 : 2);
-    const double axis[3] = {least == 0, least == 1, least == 2};
-    ancf_cross(f[0], n, axis);
-    unit(f[0], f[0]);
-    ancf_cross(f[1], n, f[0]);
-    for (int k = 0; k < 2; ++k) {
-        double w[2][3], moment[3];
-        ancf_cross(moment, c->start, f[k]);
-        couples(w, t, c, moment);
-        for (int s = 0; s < 2; ++s) {
-            const double sign = s ? -1.0 : 1.0;
-            sum += self[s].effect + 2.0 * sign * self[s].bend.to * ancf_dot(f[k], w[s]) +
-                   self[s].bend.both * ancf_dot(w[s], w[s]);
-        }
-        sum += 2.0 * (-mutual.effect + mutual.bend.to * ancf_dot(f[k], w[1]) - mutual.bend.from * ancf_dot(f[k], w[0]) +
-                      mutual.bend.both * ancf_dot(w[0], w[1]));
-    }
-    return 0.5 * sum;
 }
 
 // What is missing of a moment if couples balance it.

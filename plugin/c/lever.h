@@ -19,8 +19,9 @@ void ancf_lever_kick(ancf_table* t, const ancf_contact* c, const double impulse[
 // Adds to the velocity of the first side against the second what their turning makes at where they touch.
 void ancf_lever_slip(double v[3], const ancf_table* t, const ancf_contact* c);
 
-// Mean over the tangent plane of the slip by a unit impulse along it [1/kg].
-double ancf_lever_across(const ancf_table* t, const ancf_contact* c);
+// Those couples, on either side's slope.
+void ancf_lever_couples(double first[3], double second[3], const ancf_table* t, const ancf_contact* c,
+                        const double impulse[3]);
 
 // Friction acts from the start of the step: balances the moments of the normal impulses that act later, where it has
 // moved the centrelines. Adds up in t->left what no couple can balance of all moments.

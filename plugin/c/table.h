@@ -25,6 +25,20 @@ typedef struct {
     double answer[2][6]; // velocity and spin by a unit impulse [1/kg], [1/(kg m)]
 } ancf_push;
 
+// Friction of one contact among others, along two directions across its normal.
+typedef struct {
+    bool levers;
+    double tangent[2][3];
+    double turn[4][2][3];        // couple or twist by a unit impulse, on the place [-] and the body [m] of either side
+    double* body[2];             // `pushed` of bodies that move, or NULL
+    double answer[2][2][6];      // their velocity and spin by a unit impulse [1/kg], [1/(kg m)]
+    double own[3];               // slip by a unit impulse: first by first, by second, second by second [1/kg]
+    double slip[2];              // before friction, but for its guess [m/s]
+    double impulse[2];           // [N s]
+    double change[2], former[2]; // of it in the last two sweeps [N s]
+    double without[2];           // slip without its own friction, when that was found [m/s]
+} ancf_drag;
+
 struct ancf_table {
     ancf_responses* responses;
     int n_places, n_bodies, n_contacts, n_couplings;
@@ -52,6 +66,8 @@ struct ancf_table {
     ancf_groups groups;
     ancf_push* push; // (n_contacts)
     int room_push;
+    ancf_drag* drag; // (n_contacts)
+    int room_drag;
     int most;             // sub-steps of the group that needs most; -1: not asked
     double (*scratch)[3]; // (4 n_couplings) for conjugate gradients
     int room_scratch;

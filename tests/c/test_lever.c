@@ -2,6 +2,7 @@
 #include "touch.h"
 
 #include "ancf/stability.h"
+#include "drag.h"
 #include "lever.h"
 
 enum { CONTACTS = 4 };
@@ -107,30 +108,37 @@ static void slip_is_conjugate_to_couples(void** state) {
     }
 }
 
-// The response across the normal is the mean of what unit impulses along two tangents do.
-static void response_across_is_that_of_kicks(void** state) {
+// What friction along either direction does to the slip along both is what kicks do, with couples on slopes among it.
+static void drag_is_what_kicks_do(void** state) {
     (void)state;
     uint64_t seed = 85;
     for (int run = 0; run < 100; ++run) {
         crossing s = crossing_make(&seed, true);
         const ancf_contact* c = ancf_table_contact(s.t, run % CONTACTS);
-        const double told = ancf_lever_across(s.t, c);
-        double f[2][3], mean = 0.0;
-        random_direction(f[0], &seed);
-        cross(f[1], c->normal, f[0]);
-        cross(f[0], f[1], c->normal);
+        ancf_drag d = {.slip = {0.0, 0.0}};
+        for (int i = 0; i < s.t->n_places; ++i) memset(s.t->place[i].pushed, 0, sizeof s.t->place[i].pushed);
+        for (int i = 0; i < s.t->n_bodies; ++i) memset(s.t->body[i].pushed, 0, sizeof s.t->body[i].pushed);
+        ancf_drag_find(s.t, c, &d);
+        assert_near(dot(d.tangent[0], c->normal), 0.0, 1e-15);
+        assert_near(dot(d.tangent[1], c->normal), 0.0, 1e-15);
         for (int k = 0; k < 2; ++k) {
-            double before[3], after[3];
-            const double length = norm(f[k]), P[3] = {f[k][0] / length, f[k][1] / length, f[k][2] / length};
+            double before[3], after[3], old[2], found[2];
+            const double unit[2] = {k == 0, k == 1};
             ancf_table_slip(before, s.t, c);
             ancf_lever_slip(before, s.t, c);
-            ancf_table_kick(s.t, c, P, 0.0);
-            ancf_lever_kick(s.t, c, P);
+            ancf_table_kick(s.t, c, d.tangent[k], 0.0);
+            ancf_lever_kick(s.t, c, d.tangent[k]);
             ancf_table_slip(after, s.t, c);
             ancf_lever_slip(after, s.t, c);
-            mean += 0.5 * (dot(after, P) - dot(before, P));
+            ancf_drag_slip(old, s.t, c, &d);
+            ancf_drag_give(s.t, c, &d, unit);
+            ancf_drag_slip(found, s.t, c, &d);
+            for (int a = 0; a < 2; ++a) {
+                const double truth = dot(after, d.tangent[a]) - dot(before, d.tangent[a]);
+                assert_near(found[a] - old[a], truth, 1e-10 * d.own[2 * k]);
+                assert_near(d.own[a + k], truth, 1e-10 * d.own[2 * k]);
+            }
         }
-        assert_close(told, mean, 1e-10);
         crossing_free(&s);
     }
 }
@@ -270,9 +278,9 @@ static void what_contacts_owe_is_given_back(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(turning_as_one_is_no_slip),        cmocka_unit_test(slip_is_conjugate_to_couples),
-        cmocka_unit_test(response_across_is_that_of_kicks), cmocka_unit_test(moments_are_kept_or_told),
-        cmocka_unit_test(friction_takes_what_is_lost),      cmocka_unit_test(what_contacts_owe_is_given_back),
+        cmocka_unit_test(turning_as_one_is_no_slip),   cmocka_unit_test(slip_is_conjugate_to_couples),
+        cmocka_unit_test(drag_is_what_kicks_do),       cmocka_unit_test(moments_are_kept_or_told),
+        cmocka_unit_test(friction_takes_what_is_lost), cmocka_unit_test(what_contacts_owe_is_given_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -41,7 +41,7 @@ typedef struct {
     double impulse[3];      // on the cable in this step [N s]
     double couple[3];       // and on its slope [N s]
     double moment[3];       // impulses, each times the time from it to the end of the step [N s2]
-    double lag[6];          // velocity and that of the slope, less their means over the step, before friction [m/s]
+    double pushed[6];       // velocity and that of the slope by what friction has found so far [m/s]
 } ancf_place;
 
 // A body that moves by itself.
@@ -57,8 +57,8 @@ typedef struct {
     double before[6];            // velocity and spin at the start of the step [m/s], [rad/s]
     double given[6];             // acceleration and turning as they were given: the guess of friction adds to them
     double moved[3], turned[3];  // since the table was filled, at the mean of what those do [m], [rad]
-    double lag[6];               // velocity and spin less their means over the step, before friction [m/s], [rad/s]
-    double pushed[6];            // velocity and spin since a sub-step of the contacts began [m/s], [rad/s]
+    double pushed[6];            // velocity and spin by what was found so far of normal forces in a sub-step, or of
+                                 // friction [m/s], [rad/s]
 } ancf_body;
 
 // One side of a contact: a place, a body, a body that moves with a knot and turns by itself, or none: it stands still.
@@ -76,33 +76,30 @@ typedef struct {
     double gap;       // in: at the start [m]; out: as the sub-steps leave it
     ancf_normal law;
     ancf_friction rub;
-    double friction[3];          // in: first guess; out: mean force on the first side in this step [N]
-    double guess[3];             // what of it acted while the normal forces did [N]
-    double change[3], former[3]; // by the last two sweeps over frictions [N s]
-    double lag[3];               // slip at the end of the step less its mean over the step, before friction [m/s]
-    double without[3];           // slip without its own friction, when that was found [m/s]
-    double met;                  // velocity along the normal without its own force, when that was found [m/s]
-    bool slides;                 // faster than the transition velocity of its friction
-    double most;                 // coefficient of friction that it had where it slid, or can have where it stuck [-]
-    double impulse;              // of the normal force in this step, >= 0 [N s]
-    double depth;                // deepest penetration since the table was filled [m]
-    double pressed[3];           // normal impulse on the first side since then [N s]
-    double dragged[3];           // and that of friction [N s]
-    double force, before;        // normal force of a sub-step, and the last that was found [N]
-    double kicked;               // part of `force` that has moved what it acts on [N]
-    double energy;               // elastic energy at the start of a sub-step, in the end of the step [J]
-    double damped;               // taken out by its damping since the table was filled [J]
-    double rubbed;               // and by its friction [J]
-    double own;                  // velocity along the normal by a unit impulse along it [1/kg]
-    double speed, elastic;       // of the sub-step [m/s], [N]
-    double owed;                 // work that it did too much, in: in steps before, out: in all, see ancf_table_owe [J]
-    double repaid;               // part of `force` that gives it back [N]
-    double changing[3]; // acceleration of the first side against the second without what is in the table [m/s2]
-    double start[3];    // arm of the second side at the start [m]
-    double margin;      // see ancf_table_rest [m]
-    bool idle;          // too far to touch in this step
-    double within[2];   // part of the first side's element on which its place moves; one point if it does not
-    double round;       // of a ball and a cable: sum of the radii [m]; 0: not round
+    double friction[3];    // in: first guess; out: mean force on the first side in this step [N]
+    double guess[3];       // what of it acted while the normal forces did [N]
+    double met;            // velocity along the normal without its own force, when that was found [m/s]
+    bool slides;           // faster than the transition velocity of its friction
+    double most;           // coefficient of friction that it had where it slid, or can have where it stuck [-]
+    double impulse;        // of the normal force in this step, >= 0 [N s]
+    double depth;          // deepest penetration since the table was filled [m]
+    double pressed[3];     // normal impulse on the first side since then [N s]
+    double dragged[3];     // and that of friction [N s]
+    double force, before;  // normal force of a sub-step, and the last that was found [N]
+    double kicked;         // part of `force` that has moved what it acts on [N]
+    double energy;         // elastic energy at the start of a sub-step, in the end of the step [J]
+    double damped;         // taken out by its damping since the table was filled [J]
+    double rubbed;         // and by its friction [J]
+    double own;            // velocity along the normal by a unit impulse along it [1/kg]
+    double speed, elastic; // of the sub-step [m/s], [N]
+    double owed;           // work that it did too much, in: in steps before, out: in all, see ancf_table_owe [J]
+    double repaid;         // part of `force` that gives it back [N]
+    double changing[3];    // acceleration of the first side against the second without what is in the table [m/s2]
+    double start[3];       // arm of the second side at the start [m]
+    double margin;         // see ancf_table_rest [m]
+    bool idle;             // too far to touch in this step
+    double within[2];      // part of the first side's element on which its place moves; one point if it does not
+    double round;          // of a ball and a cable: sum of the radii [m]; 0: not round
     double held;        // distance of the place from the ball's centre at which the gap is zero: `round`, but where a
                         // segment lies along it [m]
     ancf_normal plain;  // law of a single place; `law` where a segment lies along a ball, see lying.h
