@@ -16,36 +16,48 @@ static void across(double tangent[2][3], const double n[3]) {
     ancf_cross(tangent[1], n, tangent[0]);
 }
 
-// Slip by what places do to one another: along a by a unit impulse along b [1/kg].
-static double by_places(const ancf_table* t, const ancf_contact* c, const ancf_drag* d, int a, int b) {
-    const double turned = a == b;
-    double sum = 0.0;
-    for (int from = 0; from < 2; ++from)
-        for (int to = 0; to < 2; ++to) {
-            if (c->side[from].place < 0 || c->side[to].place < 0) continue;
-            const ancf_effects e = ancf_table_effects(t, c->side[from].place, c->side[to].place);
-            const double sign = from == to ? 1.0 : -1.0;
-            sum += sign * e.effect * turned;
-            if (!d->levers) continue;
-            const double *there = d->turn[2 * to][a], *here = d->turn[2 * from][b];
-            sum += (to ? -1.0 : 1.0) * e.bend.from * ancf_dot(d->tangent[a], here);
-            sum +=
-                (from ? -1.0 : 1.0) * e.bend.to * ancf_dot(d->tangent[b], there) + e.bend.both * ancf_dot(there, here);
+// Slip of one contact by unit impulses on the other, through cables.
+static void add_by_places(double w[2][2], const ancf_table* t, const ancf_contact* one, const ancf_drag* d,
+                          const ancf_contact* other, const ancf_drag* e) {
+    for (int to = 0; to < 2; ++to)
+        for (int from = 0; from < 2; ++from) {
+            if (one->side[to].place < 0 || other->side[from].place < 0) continue;
+            const ancf_effects by = ancf_table_effects(t, other->side[from].place, one->side[to].place);
+            if (by.effect == 0.0) continue;
+            const double near = to ? -1.0 : 1.0, far = from ? -1.0 : 1.0;
+            for (int a = 0; a < 2; ++a)
+                for (int b = 0; b < 2; ++b) {
+                    const double *there = d->turn[2 * to][a], *here = e->turn[2 * from][b];
+                    w[a][b] += near * far * by.effect * ancf_dot(d->tangent[a], e->tangent[b]);
+                    if (e->levers) w[a][b] += near * by.bend.from * ancf_dot(d->tangent[a], here);
+                    if (d->levers) w[a][b] += far * by.bend.to * ancf_dot(there, e->tangent[b]);
+                    if (d->levers && e->levers) w[a][b] += by.bend.both * ancf_dot(there, here);
+                }
         }
-    return sum;
 }
 
-static double by_bodies(const ancf_drag* d, int a, int b) {
-    double sum = 0.0;
-    for (int s = 0; s < 2; ++s) {
-        if (!d->body[s]) continue;
-        sum += (s ? -1.0 : 1.0) * ancf_dot(d->tangent[a], d->answer[s][b]);
-        sum += ancf_dot(d->turn[2 * s + 1][a], d->answer[s][b] + 3);
-    }
-    return sum;
+static void add_by_bodies(double w[2][2], const ancf_drag* d, const ancf_drag* e) {
+    for (int to = 0; to < 2; ++to)
+        for (int from = 0; from < 2; ++from) {
+            if (!d->body[to] || d->body[to] != e->body[from]) continue;
+            for (int a = 0; a < 2; ++a)
+                for (int b = 0; b < 2; ++b) {
+                    const double* answer = e->answer[from][b];
+                    w[a][b] += (to ? -1.0 : 1.0) * ancf_dot(d->tangent[a], answer);
+                    w[a][b] += ancf_dot(d->turn[2 * to + 1][a], answer + 3);
+                }
+        }
 }
 
-void ancf_drag_find(ancf_table* t, const ancf_contact* c, ancf_drag* d) {
+void ancf_drag_effect(double w[2][2], const ancf_table* t, int one, int other) {
+    w[0][0] = w[0][1] = w[1][0] = w[1][1] = 0.0;
+    add_by_places(w, t, &t->contact[one], &t->drag[one], &t->contact[other], &t->drag[other]);
+    add_by_bodies(w, &t->drag[one], &t->drag[other]);
+}
+
+void ancf_drag_find(ancf_table* t, int contact) {
+    const ancf_contact* c = &t->contact[contact];
+    ancf_drag* d = &t->drag[contact];
     across(d->tangent, c->normal);
     d->levers = ancf_lever_has(c);
     for (int a = 0; a < 2; ++a) {
@@ -62,9 +74,7 @@ void ancf_drag_find(ancf_table* t, const ancf_contact* c, ancf_drag* d) {
             ancf_body_answer(d->answer[s][a], b, push, twist);
         }
     }
-    d->own[0] = by_places(t, c, d, 0, 0) + by_bodies(d, 0, 0);
-    d->own[1] = by_places(t, c, d, 0, 1) + by_bodies(d, 0, 1);
-    d->own[2] = by_places(t, c, d, 1, 1) + by_bodies(d, 1, 1);
+    ancf_drag_effect(d->own, t, contact, contact);
 }
 
 void ancf_drag_slip(double v[2], const ancf_table* t, const ancf_contact* c, const ancf_drag* d) {

@@ -5,9 +5,12 @@
 
 #include "table.h"
 
-// Two directions across the normal, what an impulse along either moves and turns, and the slip by that: `own`. The rest
-// is left as it is.
-void ancf_drag_find(ancf_table* t, const ancf_contact* c, ancf_drag* d);
+// Two directions across the normal of a contact, what an impulse along either moves and turns, and the slip by that:
+// `own`. The rest is left as it is.
+void ancf_drag_find(ancf_table* t, int contact);
+
+// Slip of one contact along its directions by unit impulses on another along those of that, w[of][by] [1/kg].
+void ancf_drag_effect(double w[2][2], const ancf_table* t, int one, int other);
 
 // Slip along both directions: d->slip and what `pushed` makes [m/s].
 void ancf_drag_slip(double v[2], const ancf_table* t, const ancf_contact* c, const ancf_drag* d);

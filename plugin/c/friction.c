@@ -3,22 +3,18 @@
 // end of the step, and where that is not along the normal it would be taken for slip.
 //
 // Explicit friction would need a step of 2 m v0/((2 mu_s - mu_k) f_n). Here each contact's friction belongs to the
-// velocity that is left, found contact by contact until none changes (Gauss-Seidel).
+// velocity that is left. A few sweeps contact by contact (Gauss-Seidel) find which stick and which slide, as Stribeck's
+// falling branch leaves a choice; then Newton's method finds all of a group, or of one part of it after the other.
 #include "drag.h"
 #include "lever.h"
+#include "newton.h"
 
 #include <math.h>
 #include <string.h>
 
-// On Stribeck's falling branch neighbours can free and catch each other without end. After a few sweeps what slides and
-// can, goes on to; after some more each coefficient is as it was then, or less, and there is one solution.
-enum { SWEEPS_FREE = 3, SWEEPS_SLIDING = 5, SWEEPS_MAX = 24 };
+enum { SWEEPS = 3, ROUNDS = 24, RENEWALS = 3 };
 
-// Where a heavy body holds a light cable and another pulls at it, sweeps change nearly as much as those before: changes
-// that go down as a geometric series, but for a part, are led to its sum at once [Aitken 1926].
-static const double misfit = 0.1, slowest = 0.9999;
-
-// Part of the largest friction impulse below which a sweep's changes end the solve, and a contact is left as it is.
+// Part of the largest friction impulse by which friction may be off, and below which a contact is left as it is.
 static const double tolerance = 1e-8;
 
 static void project(double v[3], const double normal[3]) {
@@ -48,80 +44,44 @@ static double square(const double v[2]) { return v[0] * v[0] + v[1] * v[1]; }
 // Slip by a unit impulse along a direction, along it [1/kg], but no less than its mean over directions, with which
 // sweeps could go too far.
 static double along(const ancf_drag* d, const double v[2]) {
-    const double mean = 0.5 * (d->own[0] + d->own[2]), size = square(v);
+    const double mean = 0.5 * (d->own[0][0] + d->own[1][1]), size = square(v);
     if (!(size > 0.0)) return mean;
-    return ancf_larger(mean,
-                       (d->own[0] * v[0] * v[0] + 2.0 * d->own[1] * v[0] * v[1] + d->own[2] * v[1] * v[1]) / size);
+    return ancf_larger(
+        mean, (d->own[0][0] * v[0] * v[0] + 2.0 * d->own[0][1] * v[0] * v[1] + d->own[1][1] * v[1] * v[1]) / size);
 }
 
-// Coefficient of friction at the speed that it leaves of a speed.
-static double coefficient_left(ancf_contact* c, double speed, double beta, int sweep) {
-    if (sweep > SWEEPS_SLIDING) return ancf_friction_settle(&c->rub, speed, beta, c->most);
-    const double left = ancf_friction_solve(&c->rub, speed, beta, sweep > SWEEPS_FREE && c->slides);
-    const double coefficient = ancf_friction_coefficient(&c->rub, left);
-    c->slides = left > c->rub.v0;
-    c->most = c->slides ? coefficient : c->rub.mu_s;
-    return coefficient;
+// What friction can be at a speed: on the branch of rest all that it can at its end, else what it is.
+static double most_at(const ancf_contact* c, double speed) {
+    return ancf_friction_coefficient(&c->rub, ancf_larger(speed, c->rub.v0));
 }
 
 // Puts one contact's friction right while the others' stay; returns the square of its change [N2 s2]. Its own part is
 // taken off the velocity, the scalar equation solved along what is left, and the new part put on: where nothing changes
 // any more, the friction belongs to the true velocity, whatever w was.
-static double rub_one(ancf_table* t, ancf_contact* c, ancf_drag* d, double largest, int sweep) {
+static double rub_one(ancf_table* t, int contact, double largest) {
+    ancf_contact* c = &t->contact[contact];
+    ancf_drag* d = &t->drag[contact];
     double v[2];
     ancf_drag_slip(v, t, c, d);
-    const double w = along(d, square(d->impulse) > 0.0 ? d->impulse : v);
-    double moved = 0.0;
+    const double now = sqrt(square(v)), w = along(d, square(d->impulse) > 0.0 ? d->impulse : v);
+    double moved = 0.0, change[2];
     for (int a = 0; a < 2; ++a) {
         v[a] -= w * d->impulse[a];
         moved = ancf_larger(moved, fabs(v[a] - d->without[a]));
-        d->change[a] = 0.0;
     }
     if (moved <= tolerance * w * largest) return 0.0;
     d->without[0] = v[0];
     d->without[1] = v[1];
-    const double speed = sqrt(square(v));
-    const double bound = coefficient_left(c, speed, w * c->impulse, sweep) * c->impulse;
+    const double speed = sqrt(square(v)), left = ancf_friction_solve(&c->rub, speed, w * c->impulse, false, now),
+                 bound = ancf_friction_coefficient(&c->rub, left) * c->impulse;
+    c->most = most_at(c, left);
     for (int a = 0; a < 2; ++a) {
         const double wanted = speed > 0.0 ? -bound * (v[a] / speed) : 0.0;
-        d->change[a] = wanted - d->impulse[a];
+        change[a] = wanted - d->impulse[a];
         d->impulse[a] = wanted;
     }
-    ancf_drag_give(t, c, d, d->change);
-    return square(d->change);
-}
-
-// How much of its last change is still to come for a contact whose last two changes are terms of a geometric series; 0
-// where they are not.
-static double to_come(const ancf_drag* d) {
-    const double before = square(d->former), now = square(d->change),
-                 both = d->former[0] * d->change[0] + d->former[1] * d->change[1];
-    if (!(both > 0.0) || both > slowest * before || now * before - both * both > misfit * misfit * now * before)
-        return 0.0;
-    return both / (before - both);
-}
-
-// Lets frictions of a group go to where the last two sweeps lead, as far as friction can be. False: they lead nowhere.
-static bool lead_on(ancf_table* t, const ancf_contact_group* g) {
-    bool led = false;
-    for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
-        const int i = t->groups.list[ANCF_CONTACTS][k];
-        const ancf_contact* c = &t->contact[i];
-        ancf_drag* d = &t->drag[i];
-        const double more = rubs(c) ? to_come(d) : 0.0;
-        if (more == 0.0) continue;
-        double wanted[2], change[2];
-        for (int a = 0; a < 2; ++a) wanted[a] = d->impulse[a] + more * d->change[a];
-        const double bound = most_of(c), size = sqrt(square(wanted)), kept = size > bound ? bound / size : 1.0;
-        for (int a = 0; a < 2; ++a) {
-            change[a] = kept * wanted[a] - d->impulse[a];
-            d->impulse[a] = kept * wanted[a];
-        }
-        ancf_drag_give(t, c, d, change);
-        d->without[0] = INFINITY; // solved again
-        led = true;
-    }
-    return led;
+    ancf_drag_give(t, c, d, change);
+    return square(change);
 }
 
 // Takes the velocities over the step off the accelerations, or puts them on.
@@ -195,15 +155,16 @@ static void turn_back(ancf_table* t, double step) {
 }
 
 // Starts from the guess, in the tangent plane and no larger than friction can be. Returns that bound [N s].
-static double start(ancf_table* t, ancf_contact* c, ancf_drag* d, double step) {
+static double start(ancf_table* t, int contact, double step) {
+    const ancf_contact* c = &t->contact[contact];
+    ancf_drag* d = &t->drag[contact];
+    const double bound = most_of(c);
     double slip[3], change[2];
-    ancf_drag_find(t, c, d);
+    ancf_drag_find(t, contact);
     slip_of(slip, t, c);
-    const double bound = rubs(c) ? most_of(c) : 0.0;
     for (int a = 0; a < 2; ++a) {
         d->impulse[a] = step * ancf_dot(d->tangent[a], c->friction);
         d->slip[a] = ancf_dot(d->tangent[a], slip);
-        d->change[a] = 0.0;
         d->without[a] = INFINITY; // solved once at least
     }
     const double size = sqrt(square(d->impulse)), part = size > bound ? bound / size : 1.0;
@@ -215,45 +176,122 @@ static double start(ancf_table* t, ancf_contact* c, ancf_drag* d, double step) {
     return bound;
 }
 
-// Gives the friction that was found to all that feels it.
-static void finish(ancf_table* t, ancf_contact* c, const ancf_drag* d, double step) {
+// Gives a friction force instead of its guess to all that feels it.
+static void finish(ancf_table* t, ancf_contact* c, const double force[3], double step) {
     double P[3];
     for (int i = 0; i < 3; i++) {
-        c->friction[i] = (d->impulse[0] * d->tangent[0][i] + d->impulse[1] * d->tangent[1][i]) / step;
-        P[i] = step * (c->friction[i] - c->guess[i]);
+        c->friction[i] = force[i];
+        P[i] = step * (force[i] - c->guess[i]);
     }
     rub(t, c, P, step);
 }
 
-// Friction of what presses in a group. Returns the number of sweeps.
-static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, double* left) {
-    const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
-    double largest = 0.0, change = 0.0;
-    for (int k = first; k < end; ++k) {
-        const int i = contact[k];
-        largest = ancf_larger(largest, start(t, &t->contact[i], &t->drag[i], step));
-    }
-    double last = INFINITY;             // change when it was led on
-    int sweep = 0, since = 0, wait = 3; // sweeps since then, and until next; longer where it did not help
-    while (largest > 0.0 && sweep < SWEEPS_MAX) {
-        change = 0.0;
-        ++sweep;
-        for (int k = first; k < end; ++k) {
-            ancf_contact* c = &t->contact[contact[k]];
-            ancf_drag* d = &t->drag[contact[k]];
-            if (!rubs(c)) continue;
-            memcpy(d->former, d->change, sizeof d->former);
-            change = ancf_larger(change, rub_one(t, c, d, largest, sweep));
+// What the contacts of a part do to one another.
+static void find_effects(double* W, const ancf_table* t, const int* contact, int n) {
+    const int m = 2 * n;
+    for (int i = 0; i < n; ++i)
+        for (int j = i; j < n; ++j) {
+            double w[2][2];
+            ancf_drag_effect(w, t, contact[i], contact[j]);
+            for (int a = 0; a < 2; ++a)
+                for (int b = 0; b < 2; ++b) W[(2 * i + a) * m + 2 * j + b] = W[(2 * j + b) * m + 2 * i + a] = w[a][b];
         }
-        if (change <= tolerance * tolerance * largest * largest) break;
-        if (++since < wait || sweep == SWEEPS_MAX || !lead_on(t, g)) continue;
-        if (change > 0.25 * last) wait *= 2;
-        last = change;
-        since = 0;
+}
+
+// Puts friction of a part of a group right while the rest stays; returns the square of the largest change. *left: by
+// how much it is off.
+static double rub_part(ancf_table* t, const int* contact, int n, double largest, double* left, int* steps) {
+    double P[2 * ANCF_NEWTON_MOST], v[2 * ANCF_NEWTON_MOST], change = 0.0;
+    ancf_rubbing part[ANCF_NEWTON_MOST];
+    for (int i = 0; i < n; ++i) {
+        const ancf_contact* c = &t->contact[contact[i]];
+        part[i] = (ancf_rubbing) {&c->rub, c->impulse, c->most};
+        memcpy(P + 2 * i, t->drag[contact[i]].impulse, sizeof t->drag->impulse);
+        ancf_drag_slip(v + 2 * i, t, c, &t->drag[contact[i]]);
     }
-    for (int k = first; k < end; ++k) finish(t, &t->contact[contact[k]], &t->drag[contact[k]], step);
-    if (largest > 0.0) *left = ancf_larger(*left, sqrt(change) / largest);
-    return sweep;
+    find_effects(t->effects, t, contact, n);
+    bool other = true;
+    for (int renewal = 0; renewal < RENEWALS && other; ++renewal) {
+        *steps += ancf_newton_friction(P, v, left, n, part, t->effects, tolerance * largest, t->newton);
+        other = false;
+        for (int i = 0; i < n; ++i) {
+            const ancf_contact* c = &t->contact[contact[i]];
+            const double speed = sqrt(square(v + 2 * i)), most = most_at(c, speed);
+            if (!(speed > c->rub.v0) || fabs(most - part[i].most) * c->impulse <= tolerance * largest) continue;
+            part[i].most = most;
+            other = true;
+        }
+    }
+    for (int i = 0; i < n; ++i) {
+        ancf_contact* c = &t->contact[contact[i]];
+        ancf_drag* d = &t->drag[contact[i]];
+        const double more[2] = {P[2 * i] - d->impulse[0], P[2 * i + 1] - d->impulse[1]};
+        c->most = part[i].most;
+        memcpy(d->impulse, P + 2 * i, sizeof d->impulse);
+        ancf_drag_give(t, c, d, more);
+        change = ancf_larger(change, square(more));
+    }
+    return change;
+}
+
+// One part after the other until none changes.
+static double rub_parts(ancf_table* t, const int* contact, int n, double largest, int* steps) {
+    double left = 0.0;
+    for (int round = 0; round < ROUNDS; ++round) {
+        double change = 0.0;
+        left = 0.0;
+        for (int k = 0; k < n; k += ANCF_NEWTON_MOST) {
+            double off = 0.0;
+            const int size = n - k < ANCF_NEWTON_MOST ? n - k : ANCF_NEWTON_MOST;
+            change = ancf_larger(change, rub_part(t, contact + k, size, largest, &off, steps));
+            left = ancf_larger(left, off);
+        }
+        if (n <= ANCF_NEWTON_MOST) break;
+        left = ancf_larger(left, sqrt(change));
+        if (left <= tolerance * largest) break;
+    }
+    return left;
+}
+
+// Lists the contacts of a group that rub, and takes back what was guessed of the others. Returns their number.
+static int list_rubbing(ancf_table* t, const ancf_contact_group* g, double step) {
+    int n = 0;
+    for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
+        const int i = t->groups.list[ANCF_CONTACTS][k];
+        if (rubs(&t->contact[i])) t->rubbing[n++] = i;
+        else finish(t, &t->contact[i], (double[3]) {0.0, 0.0, 0.0}, step);
+    }
+    return n;
+}
+
+// Friction of what presses in a group. Returns the number of sweeps and of Newton's steps.
+static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, double* left) {
+    const int n = list_rubbing(t, g, step), *contact = t->rubbing;
+    double largest = 0.0, off = INFINITY;
+    int needed = 0;
+    for (int k = 0; k < n; ++k) largest = ancf_larger(largest, start(t, contact[k], step));
+    if (!(largest > 0.0)) off = 0.0;
+    while (off > tolerance * largest && needed < SWEEPS) {
+        double change = 0.0;
+        ++needed;
+        for (int k = 0; k < n; ++k) change = ancf_larger(change, rub_one(t, contact[k], largest));
+        off = sqrt(change);
+    }
+    if (off > tolerance * largest) off = rub_parts(t, contact, n, largest, &needed);
+    for (int k = 0; k < n; ++k) {
+        const ancf_drag* d = &t->drag[contact[k]];
+        double force[3];
+        for (int i = 0; i < 3; i++)
+            force[i] = (d->impulse[0] * d->tangent[0][i] + d->impulse[1] * d->tangent[1][i]) / step;
+        finish(t, &t->contact[contact[k]], force, step);
+    }
+    if (largest > 0.0) *left = ancf_larger(*left, off / largest);
+    return needed;
+}
+
+// Whether friction acts in the step, or did as a guess.
+static bool works(const ancf_contact* c) {
+    return rubs(c) || c->guess[0] != 0.0 || c->guess[1] != 0.0 || c->guess[2] != 0.0;
 }
 
 int ancf_table_rub(ancf_table* t, double step, double* left) {
@@ -262,6 +300,7 @@ int ancf_table_rub(ancf_table* t, double step, double* left) {
     *left = 0.0;
     for (int i = 0; i < n; ++i) {
         double now[3], *slip = t->slip[live[i]];
+        if (!works(&t->contact[live[i]])) continue;
         slip_of(now, t, &t->contact[live[i]]);
         for (int k = 0; k < 3; k++) slip[k] = (t->guessed ? slip[k] : now[k]) - 0.5 * now[k];
     }
@@ -273,6 +312,7 @@ int ancf_table_rub(ancf_table* t, double step, double* left) {
     for (int i = 0; i < n; ++i) {
         ancf_contact* c = &t->contact[live[i]];
         double now[3]; // energy goes with the mean of the velocities before and after
+        if (!works(c)) continue;
         slip_of(now, t, c);
         for (int k = 0; k < 3; k++)
             c->rubbed -= step * (c->friction[k] - c->guess[k]) * (t->slip[live[i]][k] + 0.5 * now[k]);

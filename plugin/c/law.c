@@ -105,6 +105,15 @@ double ancf_friction_slope(const ancf_friction* law) {
     return 0.0;
 }
 
+double ancf_friction_ramp(const ancf_friction* law, double speed, double* slope) {
+    const double s = speed / law->v0;
+    *slope = ancf_friction_slope(law);
+    if (law->kind != ANCF_FRICTION_HOLLARS) return *slope * speed;
+    const double q = 1.0 / (1.0 + s * s), drop = 2.0 * (law->mu_s - law->mu_k) * q, mu = law->mu_k + drop;
+    *slope = mu > 0.0 ? (law->mu_k + drop * (2.0 * q - 1.0)) / law->v0 : 0.0;
+    return mu > 0.0 ? s * mu : 0.0;
+}
+
 static double solve_coulomb(double mu, double speed, double beta, double v0) {
     const double stick = speed / (1.0 + beta * mu / v0);
     return stick <= v0 ? stick : speed - beta * mu;
@@ -147,10 +156,11 @@ static double solve_between(const ancf_friction* law, double s, double b, double
     return s;
 }
 
-// The root on the ramp.
-static double stick_root(const ancf_friction* law, double b, double speed) {
-    const double first = speed / (1.0 + b * stribeck(law, 0.0)), hi = speed < 1.0 ? speed : 1.0;
-    return solve_between(law, first < hi ? first : hi, b, speed, 0.0, hi, true);
+// The root on the ramp, sought from a guess, if it can be that.
+static double stick_root(const ancf_friction* law, double b, double speed, double guess) {
+    const double hi = speed < 1.0 ? speed : 1.0;
+    if (!(guess > 0.0 && guess < hi)) guess = speed / (1.0 + b * stribeck(law, 0.0));
+    return solve_between(law, guess < hi ? guess : hi, b, speed, 0.0, hi, true);
 }
 
 // The largest root beyond the ramp, or 0: none. There g is convex, so that Newton's steps come down to it from above.
@@ -166,18 +176,19 @@ static double slide_root(const ancf_friction* law, double b, double speed) {
     return 0.0;
 }
 
-static double solve_hollars(const ancf_friction* law, double speed, double beta, bool slides) {
+static double solve_hollars(const ancf_friction* law, double speed, double beta, bool slides, double guess) {
     const double s = speed / law->v0, b = beta / law->v0;
     if (!(s < 1e150)) // so far out that the curve is flat; also keeps infinity out
         return speed - beta * law->mu_k;
     const bool stick = 1.0 + b * stribeck(law, 1.0) >= s;
     const double root = stick && slides ? slide_root(law, b, s) : 0.0;
     if (root > 1.0) return law->v0 * root;
-    if (!stick) return law->v0 * solve_between(law, s, b, s, 1.0, s, false);
-    return law->v0 * stick_root(law, b, s);
+    const double near = guess / law->v0;
+    if (!stick) return law->v0 * solve_between(law, near >= 1.0 && near < s ? near : s, b, s, 1.0, s, false);
+    return law->v0 * stick_root(law, b, s, near);
 }
 
-double ancf_friction_solve(const ancf_friction* law, double speed, double beta, bool slides) {
+double ancf_friction_solve(const ancf_friction* law, double speed, double beta, bool slides, double guess) {
     if (!(speed > 0.0)) return 0.0;
     switch (law->kind) {
     case ANCF_FRICTION_NONE:
@@ -185,15 +196,7 @@ double ancf_friction_solve(const ancf_friction* law, double speed, double beta, 
     case ANCF_FRICTION_COULOMB:
         return solve_coulomb(law->mu_k, speed, beta, law->v0);
     case ANCF_FRICTION_HOLLARS:
-        return solve_hollars(law, speed, beta, slides);
+        return solve_hollars(law, speed, beta, slides, guess);
     }
     return speed;
-}
-
-double ancf_friction_settle(const ancf_friction* law, double speed, double beta, double most) {
-    if (law->kind != ANCF_FRICTION_HOLLARS)
-        return ancf_friction_coefficient(law, ancf_friction_solve(law, speed, beta, false));
-    if (speed - beta * most >= law->v0) return most;
-    const double root = stick_root(law, beta / law->v0, speed / law->v0), coefficient = root * stribeck(law, root);
-    return coefficient < most ? coefficient : most;
 }

@@ -42,6 +42,7 @@ void ancf_table_destroy(ancf_table* t) {
     free(t->slip);
     free(t->push);
     free(t->drag);
+    free(t->rubbing);
     ancf_groups_free(&t->groups);
     free(t);
 }
@@ -162,6 +163,7 @@ static bool make_room(ancf_table* t) {
            ancf_reserve((void**)&t->scratch, &t->room_scratch, 4 * t->n_couplings, sizeof *t->scratch) &&
            ancf_reserve((void**)&t->push, &t->room_push, t->n_contacts, sizeof *t->push) &&
            ancf_reserve((void**)&t->drag, &t->room_drag, t->n_contacts, sizeof *t->drag) &&
+           ancf_reserve((void**)&t->rubbing, &t->room_rubbing, t->n_contacts, sizeof *t->rubbing) &&
            ancf_reserve((void**)&t->slip, &t->room_slip, t->n_contacts, sizeof *t->slip);
 }
 

@@ -5,6 +5,7 @@
 #include "ancf/contact.h"
 #include "groups.h"
 #include "internal.h"
+#include "newton.h"
 
 // Velocity of the other's slope by an impulse, of the other by an impulse on the slope, and of slope by slope [1/kg].
 typedef struct {
@@ -29,14 +30,13 @@ typedef struct {
 typedef struct {
     bool levers;
     double tangent[2][3];
-    double turn[4][2][3];        // couple or twist by a unit impulse, on the place [-] and the body [m] of either side
-    double* body[2];             // `pushed` of bodies that move, or NULL
-    double answer[2][2][6];      // their velocity and spin by a unit impulse [1/kg], [1/(kg m)]
-    double own[3];               // slip by a unit impulse: first by first, by second, second by second [1/kg]
-    double slip[2];              // before friction, but for its guess [m/s]
-    double impulse[2];           // [N s]
-    double change[2], former[2]; // of it in the last two sweeps [N s]
-    double without[2];           // slip without its own friction, when that was found [m/s]
+    double turn[4][2][3];   // couple or twist by a unit impulse, on the place [-] and the body [m] of either side
+    double* body[2];        // `pushed` of bodies that move, or NULL
+    double answer[2][2][6]; // their velocity and spin by a unit impulse [1/kg], [1/(kg m)]
+    double own[2][2];       // slip along either by a unit impulse along either [1/kg]
+    double slip[2];         // before friction, but for its guess [m/s]
+    double impulse[2];      // [N s]
+    double without[2];      // slip without its own friction, when that was found [m/s]
 } ancf_drag;
 
 struct ancf_table {
@@ -68,6 +68,10 @@ struct ancf_table {
     int room_push;
     ancf_drag* drag; // (n_contacts)
     int room_drag;
+    int* rubbing; // (n_contacts) of a group
+    int room_rubbing;
+    double effects[4 * ANCF_NEWTON_MOST * ANCF_NEWTON_MOST]; // of what is solved at once on one another [1/kg]
+    double newton[ANCF_NEWTON_ROOM];
     int most;             // sub-steps of the group that needs most; -1: not asked
     double (*scratch)[3]; // (4 n_couplings) for conjugate gradients
     int room_scratch;

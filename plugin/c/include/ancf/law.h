@@ -62,12 +62,12 @@ double ancf_friction_coefficient(const ancf_friction* law, double speed);
 // Slope of the friction coefficient at rest [s/m]: (2 mu_s - mu_k)/v0 for Hollars.
 double ancf_friction_slope(const ancf_friction* law);
 
+// The coefficient [-] and its slope [s/m] on the branch of rest, which ends at v0.
+double ancf_friction_ramp(const ancf_friction* law, double speed, double* slope);
+
 // The speed u >= 0 [m/s] that is left once friction has acted: u + beta mu(u) = speed, beta = dt f_n/m >= 0 [m/s].
 // On Stribeck's falling branch there can be several roots: the sticking one is taken, or the fastest if it slides.
-double ancf_friction_solve(const ancf_friction* law, double speed, double beta, bool slides);
-
-// Coefficient of friction at the speed that is left if friction of Hollars rises to `most`, no more than at v0, and
-// stays there: then there is one root [-].
-double ancf_friction_settle(const ancf_friction* law, double speed, double beta, double most);
+// `guess` is where it may be, 0 if that is not known.
+double ancf_friction_solve(const ancf_friction* law, double speed, double beta, bool slides, double guess);
 
 #endif
