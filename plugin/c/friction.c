@@ -72,7 +72,7 @@ static double rub_one(ancf_table* t, int contact, double largest) {
     if (moved <= tolerance * w * largest) return 0.0;
     d->without[0] = v[0];
     d->without[1] = v[1];
-    const double speed = sqrt(square(v)), left = ancf_friction_solve(&c->rub, speed, w * c->impulse, false, now),
+    const double speed = sqrt(square(v)), left = ancf_friction_solve(&c->rub, speed, w * c->impulse, now),
                  bound = ancf_friction_coefficient(&c->rub, left) * c->impulse;
     c->most = most_at(c, left);
     for (int a = 0; a < 2; ++a) {

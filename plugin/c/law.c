@@ -163,32 +163,16 @@ static double stick_root(const ancf_friction* law, double b, double speed, doubl
     return solve_between(law, guess < hi ? guess : hi, b, speed, 0.0, hi, true);
 }
 
-// The largest root beyond the ramp, or 0: none. There g is convex, so that Newton's steps come down to it from above.
-static double slide_root(const ancf_friction* law, double b, double speed) {
-    double s = speed;
-    for (int i = 0; i < SOLVE_MAX && s > 1.0; i++) {
-        const taylor g = expand(law, s, b, speed, false);
-        if (!(g.slope > 0.0)) return 0.0;
-        const double next = s - g.value / g.slope;
-        if (fabs(next - s) <= 1e-12 * s) return next;
-        s = next;
-    }
-    return 0.0;
-}
-
-static double solve_hollars(const ancf_friction* law, double speed, double beta, bool slides, double guess) {
+static double solve_hollars(const ancf_friction* law, double speed, double beta, double guess) {
     const double s = speed / law->v0, b = beta / law->v0;
     if (!(s < 1e150)) // so far out that the curve is flat; also keeps infinity out
         return speed - beta * law->mu_k;
-    const bool stick = 1.0 + b * stribeck(law, 1.0) >= s;
-    const double root = stick && slides ? slide_root(law, b, s) : 0.0;
-    if (root > 1.0) return law->v0 * root;
     const double near = guess / law->v0;
-    if (!stick) return law->v0 * solve_between(law, near >= 1.0 && near < s ? near : s, b, s, 1.0, s, false);
-    return law->v0 * stick_root(law, b, s, near);
+    if (1.0 + b * stribeck(law, 1.0) >= s) return law->v0 * stick_root(law, b, s, near);
+    return law->v0 * solve_between(law, near >= 1.0 && near < s ? near : s, b, s, 1.0, s, false);
 }
 
-double ancf_friction_solve(const ancf_friction* law, double speed, double beta, bool slides, double guess) {
+double ancf_friction_solve(const ancf_friction* law, double speed, double beta, double guess) {
     if (!(speed > 0.0)) return 0.0;
     switch (law->kind) {
     case ANCF_FRICTION_NONE:
@@ -196,7 +180,7 @@ double ancf_friction_solve(const ancf_friction* law, double speed, double beta, 
     case ANCF_FRICTION_COULOMB:
         return solve_coulomb(law->mu_k, speed, beta, law->v0);
     case ANCF_FRICTION_HOLLARS:
-        return solve_hollars(law, speed, beta, slides, guess);
+        return solve_hollars(law, speed, beta, guess);
     }
     return speed;
 }

@@ -256,7 +256,7 @@ bool Law2_ScGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
             const Vector3r direction = free / speed;
             const Real w =
                 share(one.moved) * one.compliance(at, direction) + share(two.moved) * two.compliance(at, direction);
-            const Real left = ancf_friction_solve(&rub, speed, w * dt * force, false, 0.0);
+            const Real left = ancf_friction_solve(&rub, speed, w * dt * force, 0.0);
             friction = ancf_friction_coefficient(&rub, left) * force * direction;
         }
     }

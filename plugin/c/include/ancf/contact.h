@@ -79,8 +79,7 @@ typedef struct {
     double friction[3];    // in: first guess; out: mean force on the first side in this step [N]
     double guess[3];       // what of it acted while the normal forces did [N]
     double met;            // velocity along the normal without its own force, when that was found [m/s]
-    bool slides;           // faster than the transition velocity of its friction
-    double most;           // coefficient of friction that it had where it slid, or can have where it stuck [-]
+    double most;           // coefficient that its friction can have [-]
     double impulse;        // of the normal force in this step, >= 0 [N s]
     double depth;          // deepest penetration since the table was filled [m]
     double pressed[3];     // normal impulse on the first side since then [N s]

@@ -66,8 +66,8 @@ double ancf_friction_slope(const ancf_friction* law);
 double ancf_friction_ramp(const ancf_friction* law, double speed, double* slope);
 
 // The speed u >= 0 [m/s] that is left once friction has acted: u + beta mu(u) = speed, beta = dt f_n/m >= 0 [m/s].
-// On Stribeck's falling branch there can be several roots: the sticking one is taken, or the fastest if it slides.
+// On Stribeck's falling branch there can be several roots: the smallest, which sticks, is taken.
 // `guess` is where it may be, 0 if that is not known.
-double ancf_friction_solve(const ancf_friction* law, double speed, double beta, bool slides, double guess);
+double ancf_friction_solve(const ancf_friction* law, double speed, double beta, double guess);
 
 #endif
