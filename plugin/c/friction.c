@@ -50,8 +50,10 @@ static double along(const ancf_drag* d, const double v[2]) {
         mean, (d->own[0][0] * v[0] * v[0] + 2.0 * d->own[0][1] * v[0] * v[1] + d->own[1][1] * v[1] * v[1]) / size);
 }
 
-// What friction can be at a speed: on the branch of rest all that it can at its end, else what it is.
+// What the coefficient can rise to: where it falls with the speed, what it is at that; at rest, what it is at the end
+// of rest.
 static double most_at(const ancf_contact* c, double speed) {
+    if (c->rub.kind != ANCF_FRICTION_HOLLARS || !(c->rub.mu_s > c->rub.mu_k)) return c->rub.mu_k;
     return ancf_friction_coefficient(&c->rub, ancf_larger(speed, c->rub.v0));
 }
 

@@ -105,13 +105,22 @@ double ancf_friction_slope(const ancf_friction* law) {
     return 0.0;
 }
 
-double ancf_friction_ramp(const ancf_friction* law, double speed, double* slope) {
+double ancf_friction_rising(const ancf_friction* law, double speed, double* slope) {
     const double s = speed / law->v0;
-    *slope = ancf_friction_slope(law);
-    if (law->kind != ANCF_FRICTION_HOLLARS) return *slope * speed;
+    *slope = 0.0;
+    if (law->kind == ANCF_FRICTION_COULOMB) {
+        if (s < 1.0) *slope = law->mu_k / law->v0;
+        return s < 1.0 ? s * law->mu_k : law->mu_k;
+    }
     const double q = 1.0 / (1.0 + s * s), drop = 2.0 * (law->mu_s - law->mu_k) * q, mu = law->mu_k + drop;
-    *slope = mu > 0.0 ? (law->mu_k + drop * (2.0 * q - 1.0)) / law->v0 : 0.0;
-    return mu > 0.0 ? s * mu : 0.0;
+    if (law->kind == ANCF_FRICTION_NONE || !(mu > 0.0)) return 0.0;
+    if (s < 1.0) {
+        *slope = (law->mu_k + drop * (2.0 * q - 1.0)) / law->v0;
+        return s * mu;
+    }
+    if (drop > 0.0) return law->mu_s;
+    *slope = -2.0 * drop * s * q / law->v0;
+    return mu;
 }
 
 static double solve_coulomb(double mu, double speed, double beta, double v0) {

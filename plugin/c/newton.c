@@ -3,8 +3,8 @@
 //
 //     E(P) = P^T W P/2 - sum of the integrals of F dv,   grad E = W (P - F).
 //
-// With D = -dF/dv = R R, Newton's step is dP = -(I + D W)^-1 (P - F), by Cholesky's factors of I + R W R. It goes down
-// E; where it would go too far, as at the ends of the laws' branches, a part of it is sought.
+// With D = -dF/dv = R R, Newton's step is dP = -(I + D W)^-1 (P - F), by Cholesky's factors of I + R W R [Alart and
+// Curnier 1991]. It goes down E; where it would go too far, as at the ends of the laws' branches, a part of it is sought.
 #include "newton.h"
 
 #include "internal.h"
@@ -12,19 +12,17 @@
 #include <math.h>
 #include <string.h>
 
-enum { STEPS = 30, PARTS = 8 };
+enum { STEPS = 30, PARTS = 20 };
 
 // Part of the slope of E along a step that may be left at its end.
 static const double flat = 0.5;
 
 // Coefficient of friction and its slope over the speed; *rate is coefficient over speed, also at rest.
 static double coefficient_at(const ancf_rubbing* c, double speed, double* rate, double* slope) {
-    double coefficient = c->most;
-    *slope = 0.0;
-    if (speed < c->law->v0) {
-        const double rising = ancf_friction_ramp(c->law, speed, slope);
-        if (rising < coefficient) coefficient = rising;
-        else *slope = 0.0;
+    double coefficient = ancf_friction_rising(c->law, speed, slope);
+    if (coefficient > c->most) {
+        coefficient = c->most;
+        *slope = 0.0;
     }
     *rate = speed > 0.0 ? coefficient / speed : *slope;
     return coefficient;

@@ -62,8 +62,8 @@ double ancf_friction_coefficient(const ancf_friction* law, double speed);
 // Slope of the friction coefficient at rest [s/m]: (2 mu_s - mu_k)/v0 for Hollars.
 double ancf_friction_slope(const ancf_friction* law);
 
-// The coefficient [-] and its slope [s/m] on the branch of rest, which ends at v0.
-double ancf_friction_ramp(const ancf_friction* law, double speed, double* slope);
+// The coefficient [-] and its slope [s/m] as long as it rises with the speed; where it would fall it stays.
+double ancf_friction_rising(const ancf_friction* law, double speed, double* slope);
 
 // The speed u >= 0 [m/s] that is left once friction has acted: u + beta mu(u) = speed, beta = dt f_n/m >= 0 [m/s].
 // On Stribeck's falling branch there can be several roots: the smallest, which sticks, is taken.
