@@ -12,7 +12,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { SWEEPS = 3, ROUNDS = 24, RENEWALS = 3 };
+enum { SWEEPS = 2, RENEWALS = 3 };
+
+// Contacts of a group that are one part at once; rounds over parts of one body each, then over larger ones.
+enum { FEW = 8, ROUNDS = 8, ROUNDS_LARGE = 16 };
 
 // Part of the largest friction impulse by which friction may be off, and below which a contact is left as it is.
 static const double tolerance = 1e-8;
@@ -202,7 +205,8 @@ static void find_effects(double* W, const ancf_table* t, const int* contact, int
 
 // Puts friction of a part of a group right while the rest stays; returns the square of the largest change. *left: by
 // how much it is off.
-static double rub_part(ancf_table* t, const int* contact, int n, double largest, double* left, int* steps) {
+static double rub_part(ancf_table* t, const double* W, const int* contact, int n, double largest, double* left,
+                       int* steps) {
     double P[2 * ANCF_NEWTON_MOST], v[2 * ANCF_NEWTON_MOST], change = 0.0;
     ancf_rubbing part[ANCF_NEWTON_MOST];
     for (int i = 0; i < n; ++i) {
@@ -211,10 +215,9 @@ static double rub_part(ancf_table* t, const int* contact, int n, double largest,
         memcpy(P + 2 * i, t->drag[contact[i]].impulse, sizeof t->drag->impulse);
         ancf_drag_slip(v + 2 * i, t, c, &t->drag[contact[i]]);
     }
-    find_effects(t->effects, t, contact, n);
     bool other = true;
     for (int renewal = 0; renewal < RENEWALS && other; ++renewal) {
-        *steps += ancf_newton_friction(P, v, left, n, part, t->effects, tolerance * largest, t->newton);
+        *steps += ancf_newton_friction(P, v, left, n, part, W, tolerance * largest, t->newton);
         other = false;
         for (int i = 0; i < n; ++i) {
             const ancf_contact* c = &t->contact[contact[i]];
@@ -236,34 +239,87 @@ static double rub_part(ancf_table* t, const int* contact, int n, double largest,
     return change;
 }
 
-// One part after the other until none changes.
-static double rub_parts(ancf_table* t, const int* contact, int n, double largest, int* steps) {
-    double left = 0.0;
-    for (int round = 0; round < ROUNDS; ++round) {
-        double change = 0.0;
-        left = 0.0;
-        for (int k = 0; k < n; k += ANCF_NEWTON_MOST) {
-            double off = 0.0;
-            const int size = n - k < ANCF_NEWTON_MOST ? n - k : ANCF_NEWTON_MOST;
-            change = ancf_larger(change, rub_part(t, contact + k, size, largest, &off, steps));
-            left = ancf_larger(left, off);
-        }
-        if (n <= ANCF_NEWTON_MOST) break;
-        left = ancf_larger(left, sqrt(change));
-        if (left <= tolerance * largest) break;
-    }
-    return left;
+// Ends a part of the list at its end.
+static void end_part(ancf_table* t, int n) { t->part[++t->parts] = n; }
+
+// The body that a contact's friction moves, or -1.
+static int body_of(const ancf_table* t, const ancf_contact* c) {
+    for (int s = 1; s >= 0; --s)
+        if (c->side[s].body >= 0 && ancf_body_moves(&t->body[c->side[s].body])) return c->side[s].body;
+    return -1;
 }
 
-// Lists the contacts of a group that rub, and takes back what was guessed of the others. Returns their number.
+// Lists a contact and those of the same body, or those of the same element if there is none; returns the number listed.
+static int list_part(ancf_table* t, int contact, int n) {
+    const int body = body_of(t, &t->contact[contact]);
+    int size = 0, next = body < 0 ? contact : t->first_on[body];
+    const int place = t->contact[contact].side[0].place;
+    for (; next >= 0; next = t->next_on[next]) {
+        const int other = t->contact[next].side[0].place;
+        if (body < 0 && (place < 0 || other < 0 || t->place[place].element != t->place[other].element) &&
+            next != contact)
+            break;
+        if (t->drag[next].listed) continue;
+        if (size > 0 && size % ANCF_NEWTON_MOST == 0) end_part(t, n);
+        t->drag[next].listed = true;
+        t->rubbing[n++] = next;
+        ++size;
+    }
+    end_part(t, n);
+    return n;
+}
+
+// Lists the contacts of a group that rub, in parts of one body each, neighbours after one another; takes back what was
+// guessed of the others. Returns their number.
 static int list_rubbing(ancf_table* t, const ancf_contact_group* g, double step) {
-    int n = 0;
+    const int *contact = t->groups.list[ANCF_CONTACTS], *bodies = t->groups.list[ANCF_BODIES];
+    int n = 0, seen = 0, bare = -1; // the first of those that move no body
+    t->parts = t->part[0] = 0;
+    for (int k = g->first[ANCF_BODIES]; k < g->end[ANCF_BODIES]; ++k) t->first_on[bodies[k]] = -1;
+    for (int k = g->end[ANCF_CONTACTS] - 1; k >= g->first[ANCF_CONTACTS]; --k) {
+        const int i = contact[k], body = body_of(t, &t->contact[i]);
+        int* first = body < 0 ? &bare : &t->first_on[body];
+        t->drag[i].listed = !rubs(&t->contact[i]);
+        if (t->drag[i].listed) continue;
+        t->next_on[i] = *first;
+        *first = i;
+    }
     for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
-        const int i = t->groups.list[ANCF_CONTACTS][k];
-        if (rubs(&t->contact[i])) t->rubbing[n++] = i;
-        else finish(t, &t->contact[i], (double[3]) {0.0, 0.0, 0.0}, step);
+        const int i = contact[k];
+        if (!rubs(&t->contact[i])) finish(t, &t->contact[i], (double[3]) {0.0, 0.0, 0.0}, step);
+        if (!t->drag[i].listed) n = list_part(t, i, n);
+        for (; seen < n; ++seen)
+            for (int j = t->groups.first[t->rubbing[seen]]; j < t->groups.first[t->rubbing[seen] + 1]; ++j)
+                if (!t->drag[t->groups.other[j]].listed) n = list_part(t, t->groups.other[j], n);
     }
     return n;
+}
+
+// Joins parts that follow one another, as far as they are solved at once.
+static void join_parts(ancf_table* t, int most) {
+    int parts = 0;
+    for (int k = 1; k <= t->parts; ++k)
+        if (k == t->parts || t->part[k + 1] - t->part[parts] > most) t->part[++parts] = t->part[k];
+    t->parts = parts;
+}
+
+// One part after the other until none changes, or so many rounds. Returns by how much friction is off.
+static double rub_parts(ancf_table* t, int rounds, double largest, int* steps) {
+    double left = INFINITY;
+    for (int round = 0; round < rounds && left > tolerance * largest; ++round) {
+        double change = 0.0;
+        left = 0.0;
+        for (int k = 0; k < t->parts; ++k) {
+            const int *contact = t->rubbing + t->part[k], n = t->part[k + 1] - t->part[k];
+            double off = 0.0, *W = t->effects + 4 * ANCF_NEWTON_MOST * (size_t)t->part[k];
+            if (round == 0) find_effects(W, t, contact, n);
+            change = ancf_larger(change, rub_part(t, W, contact, n, largest, &off, steps));
+            left = ancf_larger(left, off);
+        }
+        if (t->parts == 1) break;
+        left = ancf_larger(left, sqrt(change));
+    }
+    return left;
 }
 
 // Friction of what presses in a group. Returns the number of sweeps and of Newton's steps.
@@ -279,7 +335,15 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
         for (int k = 0; k < n; ++k) change = ancf_larger(change, rub_one(t, contact[k], largest));
         off = sqrt(change);
     }
-    if (off > tolerance * largest) off = rub_parts(t, contact, n, largest, &needed);
+    if (off > tolerance * largest) {
+        if (n <= FEW) join_parts(t, FEW);
+        const int parts = t->parts;
+        off = rub_parts(t, ROUNDS, largest, &needed);
+        if (off > tolerance * largest && parts > 1) {
+            join_parts(t, ANCF_NEWTON_MOST);
+            off = rub_parts(t, ROUNDS_LARGE, largest, &needed);
+        }
+    }
     for (int k = 0; k < n; ++k) {
         const ancf_drag* d = &t->drag[contact[k]];
         double force[3];

@@ -4,7 +4,8 @@
 //     E(P) = P^T W P/2 - sum of the integrals of F dv,   grad E = W (P - F).
 //
 // With D = -dF/dv = R R, Newton's step is dP = -(I + D W)^-1 (P - F), by Cholesky's factors of I + R W R [Alart and
-// Curnier 1991]. It goes down E; where it would go too far, as at the ends of the laws' branches, a part of it is sought.
+// Curnier 1991]. It goes down E; where it would go too far, as at the ends of the laws' branches, a part of it is
+// sought.
 #include "newton.h"
 
 #include "internal.h"

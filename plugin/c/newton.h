@@ -4,8 +4,8 @@
 
 #include "ancf/law.h"
 
-// What friction can be: it rises with the speed by its law, to the coefficient `most` or to where the law would fall, and
-// stays there.
+// What friction can be: it rises with the speed by its law, to the coefficient `most` or to where the law would fall,
+// and stays there.
 typedef struct {
     const ancf_friction* law;
     double pressed, most; // normal impulse [N s], [-]

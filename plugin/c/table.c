@@ -43,6 +43,10 @@ void ancf_table_destroy(ancf_table* t) {
     free(t->push);
     free(t->drag);
     free(t->rubbing);
+    free(t->part);
+    free(t->first_on);
+    free(t->next_on);
+    free(t->effects);
     ancf_groups_free(&t->groups);
     free(t);
 }
@@ -164,6 +168,11 @@ static bool make_room(ancf_table* t) {
            ancf_reserve((void**)&t->push, &t->room_push, t->n_contacts, sizeof *t->push) &&
            ancf_reserve((void**)&t->drag, &t->room_drag, t->n_contacts, sizeof *t->drag) &&
            ancf_reserve((void**)&t->rubbing, &t->room_rubbing, t->n_contacts, sizeof *t->rubbing) &&
+           ancf_reserve((void**)&t->part, &t->room_part, t->n_contacts + 1, sizeof *t->part) &&
+           ancf_reserve((void**)&t->first_on, &t->room_first_on, t->n_bodies, sizeof *t->first_on) &&
+           ancf_reserve((void**)&t->next_on, &t->room_next_on, t->n_contacts, sizeof *t->next_on) &&
+           ancf_reserve((void**)&t->effects, &t->room_effects, t->n_contacts,
+                        4 * ANCF_NEWTON_MOST * sizeof *t->effects) &&
            ancf_reserve((void**)&t->slip, &t->room_slip, t->n_contacts, sizeof *t->slip);
 }
 

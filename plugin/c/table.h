@@ -28,7 +28,7 @@ typedef struct {
 
 // Friction of one contact among others, along two directions across its normal.
 typedef struct {
-    bool levers;
+    bool levers, listed;
     double tangent[2][3];
     double turn[4][2][3];   // couple or twist by a unit impulse, on the place [-] and the body [m] of either side
     double* body[2];        // `pushed` of bodies that move, or NULL
@@ -68,9 +68,11 @@ struct ancf_table {
     int room_push;
     ancf_drag* drag; // (n_contacts)
     int room_drag;
-    int* rubbing; // (n_contacts) of a group
-    int room_rubbing;
-    double effects[4 * ANCF_NEWTON_MOST * ANCF_NEWTON_MOST]; // of what is solved at once on one another [1/kg]
+    // Contacts of a group that rub, entries part[k] .. part[k + 1] - 1 of `rubbing` being solved at once, k < parts;
+    // lists of those at a body; what those of a part do to one another [1/kg].
+    int *rubbing, *part, *first_on, *next_on, parts;
+    double* effects;
+    int room_rubbing, room_part, room_first_on, room_next_on, room_effects;
     double newton[ANCF_NEWTON_ROOM];
     int most;             // sub-steps of the group that needs most; -1: not asked
     double (*scratch)[3]; // (4 n_couplings) for conjugate gradients
