@@ -7,7 +7,7 @@
 // falling branch leaves a choice; then Newton's method finds all of a group, or of one part of it after the other.
 #include "drag.h"
 #include "lever.h"
-#include "newton.h"
+#include "rubbing.h"
 
 #include <math.h>
 #include <string.h>
@@ -217,7 +217,7 @@ static double rub_part(ancf_table* t, const double* W, const int* contact, int n
     }
     bool other = true;
     for (int renewal = 0; renewal < RENEWALS && other; ++renewal) {
-        *steps += ancf_newton_friction(P, v, left, n, part, W, tolerance * largest, t->newton);
+        *steps += ancf_rubbing_solve(P, v, left, n, part, W, tolerance * largest, t->newton);
         other = false;
         for (int i = 0; i < n; ++i) {
             const ancf_contact* c = &t->contact[contact[i]];

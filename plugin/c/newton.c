@@ -1,5 +1,5 @@
-// With F(v) what the laws give at slips v, friction is P = F(v0 + W P). F falls along v, so this is where a convex
-// function has its only minimum,
+// With F(v) what the laws give at velocities v, impulses or forces are P = F(v0 + W P). F falls along v, so this is
+// where a convex function has its only minimum,
 //
 //     E(P) = P^T W P/2 - sum of the integrals of F dv,   grad E = W (P - F).
 //
@@ -18,36 +18,6 @@ enum { STEPS = 30, PARTS = 20 };
 // Part of the slope of E along a step that may be left at its end.
 static const double flat = 0.5;
 
-// Coefficient of friction and its slope over the speed; *rate is coefficient over speed, also at rest.
-static double coefficient_at(const ancf_rubbing* c, double speed, double* rate, double* slope) {
-    double coefficient = ancf_friction_rising(c->law, speed, slope);
-    if (coefficient > c->most) {
-        coefficient = c->most;
-        *slope = 0.0;
-    }
-    *rate = speed > 0.0 ? coefficient / speed : *slope;
-    return coefficient;
-}
-
-// Friction at a slip, without the rest: -F.
-static void friction_at(double F[2], const ancf_rubbing* c, const double v[2]) {
-    double rate, slope;
-    coefficient_at(c, sqrt(v[0] * v[0] + v[1] * v[1]), &rate, &slope);
-    for (int a = 0; a < 2; ++a) F[a] = -c->pressed * rate * v[a];
-}
-
-// Root of -dF/dv: xx, xy, yy. Returns nothing negative.
-static void root_at(double R[3], const ancf_rubbing* c, const double v[2]) {
-    double rate, slope;
-    const double speed = sqrt(v[0] * v[0] + v[1] * v[1]);
-    coefficient_at(c, speed, &rate, &slope);
-    const double across = sqrt(c->pressed * rate), along = sqrt(c->pressed * fmax(slope, 0.0)) - across,
-                 x = speed > 0.0 ? v[0] / speed : 1.0, y = speed > 0.0 ? v[1] / speed : 0.0;
-    R[0] = across + along * x * x;
-    R[1] = along * x * y;
-    R[2] = across + along * y * y;
-}
-
 // y = A x, A symmetric.
 ANCF_CLONES static void multiply(double* restrict y, const double* restrict A, const double* restrict x, int n) {
     for (int i = 0; i < n; ++i) y[i] = 0.0;
@@ -58,27 +28,34 @@ ANCF_CLONES static void multiply(double* restrict y, const double* restrict A, c
 }
 
 // z = R x of every contact.
-static void turn(double* z, double (*R)[3], const double* x, int n) {
-    for (int i = 0; i < n; ++i) {
-        const double first = R[i][0] * x[2 * i] + R[i][1] * x[2 * i + 1];
-        z[2 * i + 1] = R[i][1] * x[2 * i] + R[i][2] * x[2 * i + 1];
-        z[2 * i] = first;
-    }
+static void turn(double* z, double (*R)[3], const double* x, const ancf_newton_laws* laws) {
+    if (laws->size == 1)
+        for (int i = 0; i < laws->n; ++i) z[i] = R[i][0] * x[i];
+    else
+        for (int i = 0; i < laws->n; ++i) {
+            const double first = R[i][0] * x[2 * i] + R[i][1] * x[2 * i + 1];
+            z[2 * i + 1] = R[i][1] * x[2 * i] + R[i][2] * x[2 * i + 1];
+            z[2 * i] = first;
+        }
+}
+
+// R W R of two contacts with two directions each; rows of W are m long.
+static void turn_block(double* A, const double* w, const double r[3], const double s[3], int m) {
+    const double a = w[0] * s[0] + w[1] * s[1], b = w[0] * s[1] + w[1] * s[2], c = w[m] * s[0] + w[m + 1] * s[1],
+                 d = w[m] * s[1] + w[m + 1] * s[2];
+    A[0] = r[0] * a + r[1] * c;
+    A[1] = r[0] * b + r[1] * d;
+    A[m] = r[1] * a + r[2] * c;
+    A[m + 1] = r[1] * b + r[2] * d;
 }
 
 // The upper triangle of I + R W R, row by row.
-static void assemble(double* A, const double* W, double (*R)[3], int n) {
-    const int m = 2 * n;
+static void assemble(double* A, const double* W, double (*R)[3], const ancf_newton_laws* laws) {
+    const int n = laws->n, m = n * laws->size;
     for (int i = 0; i < n; ++i)
         for (int j = i; j < n; ++j) {
-            const double *w = W + 2 * i * m + 2 * j, *r = R[i], *s = R[j];
-            double *up = A + 2 * i * m + 2 * j, *low = up + m;
-            const double a = w[0] * s[0] + w[1] * s[1], b = w[0] * s[1] + w[1] * s[2],
-                         c = w[m] * s[0] + w[m + 1] * s[1], d = w[m] * s[1] + w[m + 1] * s[2];
-            up[0] = r[0] * a + r[1] * c;
-            up[1] = r[0] * b + r[1] * d;
-            low[0] = r[1] * a + r[2] * c;
-            low[1] = r[1] * b + r[2] * d;
+            if (laws->size == 1) A[i * m + j] = R[i][0] * W[i * m + j] * R[j][0];
+            else turn_block(A + 2 * i * m + 2 * j, W + 2 * i * m + 2 * j, R[i], R[j], m);
         }
     for (int i = 0; i < m; ++i) A[i * m + i] += 1.0;
 }
@@ -105,33 +82,38 @@ ANCF_CLONES static void solve(double* restrict A, double* restrict x, int m) {
     }
 }
 
-// What friction is off by, P - F; returns the square of the largest.
-static double miss(double* off, const double* P, const double* v, int n, const ancf_rubbing* contact) {
+// What is off, P - F; returns the square of the largest.
+static double miss(double* off, const double* P, const double* v, const ancf_newton_laws* laws) {
+    const int size = laws->size;
     double largest = 0.0;
-    for (int i = 0; i < n; ++i) {
-        double F[2];
-        friction_at(F, &contact[i], v + 2 * i);
-        for (int a = 0; a < 2; ++a) off[2 * i + a] = P[2 * i + a] - F[a];
-        largest = fmax(largest, off[2 * i] * off[2 * i] + off[2 * i + 1] * off[2 * i + 1]);
+    for (int i = 0; i < laws->n; ++i) {
+        double F[2], square = 0.0;
+        laws->answer(F, laws->law, i, v + size * i);
+        for (int a = 0; a < size; ++a) {
+            const double by = off[size * i + a] = P[size * i + a] - F[a];
+            square += by * by;
+        }
+        if (square > largest) largest = square;
     }
     return largest;
 }
 
-// A step on its way: friction and slips `part` of it further, and the slope of E along it.
+// A step on its way.
 typedef struct {
-    int n;
-    const ancf_rubbing* contact;
+    const ancf_newton_laws* laws;
     const double *P, *v, *dP, *dv;
 } way;
 
+// Slope of E along it.
 static double slope_at(const way* w, double part) {
+    const int size = w->laws->size;
     double sum = 0.0;
-    for (int i = 0; i < w->n; ++i) {
-        double F[2];
-        const double there[2] = {w->v[2 * i] + part * w->dv[2 * i], w->v[2 * i + 1] + part * w->dv[2 * i + 1]};
-        friction_at(F, &w->contact[i], there);
-        for (int a = 0; a < 2; ++a) {
-            const int k = 2 * i + a;
+    for (int i = 0; i < w->laws->n; ++i) {
+        double F[2], there[2];
+        for (int a = 0; a < size; ++a) there[a] = w->v[size * i + a] + part * w->dv[size * i + a];
+        w->laws->answer(F, w->laws->law, i, there);
+        for (int a = 0; a < size; ++a) {
+            const int k = size * i + a;
             sum += (w->P[k] + part * w->dP[k] - F[a]) * w->dv[k];
         }
     }
@@ -158,27 +140,27 @@ static double part_of(const way* w) {
     return part;
 }
 
-int ancf_newton_friction(double* P, double* v, double* left, int n, const ancf_rubbing* contact, const double* W,
-                         double enough, double* scratch) {
-    const int m = 2 * n;
+int ancf_newton(double* P, double* v, double* left, const ancf_newton_laws* laws, const double* W, double enough,
+                double* scratch) {
+    const int m = laws->n * laws->size;
     double *A = scratch, *off = A + m * m, *dP = off + m, *dv = dP + m, (*R)[3] = (double(*)[3])(dv + m);
-    double largest = miss(off, P, v, n, contact);
+    double largest = miss(off, P, v, laws);
     int step = 0;
     for (; step < STEPS && largest > enough * enough; ++step) {
-        for (int i = 0; i < n; ++i) root_at(R[i], &contact[i], v + 2 * i);
-        assemble(A, W, R, n);
+        for (int i = 0; i < laws->n; ++i) laws->root(R[i], laws->law, i, v + laws->size * i);
+        assemble(A, W, R, laws);
         multiply(dv, W, off, m);
-        turn(dP, R, dv, n);
+        turn(dP, R, dv, laws);
         solve(A, dP, m);
-        turn(dP, R, dP, n);
+        turn(dP, R, dP, laws);
         for (int i = 0; i < m; ++i) dP[i] -= off[i];
         multiply(dv, W, dP, m);
-        const double part = part_of(&(way) {n, contact, P, v, dP, dv});
+        const double part = part_of(&(way) {laws, P, v, dP, dv});
         for (int i = 0; i < m; ++i) {
             P[i] += part * dP[i];
             v[i] += part * dv[i];
         }
-        largest = miss(off, P, v, n, contact);
+        largest = miss(off, P, v, laws);
     }
     *left = sqrt(largest);
     return step;

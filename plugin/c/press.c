@@ -1,5 +1,5 @@
 // Normal forces of the contacts, in sub-steps of the cable's step.
-#include "table.h"
+#include "squeeze.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -17,7 +17,10 @@ static const double repaid_part = 0.1;
 // Part of a force by which it may be off for Newton's method to end.
 static const double enough = 1e-7;
 
-enum { ROUNDS = 60, TOGETHER = 20 };
+enum { ROUNDS = 60 };
+
+// Rounds contact by contact, before all are solved at once, and if couplings are kept in each; rounds over parts.
+enum { TOGETHER = 6, TOGETHER_COUPLED = 20, PARTS_ROUNDS = 10 };
 
 // Change of a force, as part of the largest, below which contacts that press on one another are done.
 static const double together = 1e-6;
@@ -124,27 +127,42 @@ static double overlapping(double gap, double way) {
     return end >= 0.0 ? 0.0 : end / way;
 }
 
-// What a contact answers over a sub-step h with velocity u, if `force` is what moves it. The elastic part is minus the
-// quotient of elastic energy and way (a discrete gradient), so that the length of the sub-steps neither gives nor takes
-// energy; damping acts at the mean velocity. Never pulling.
-static pressing answer_to(const ancf_contact* c, double u, double h, double force) {
+// Minus the quotient of elastic energy and way (a discrete gradient), so that the length of the sub-steps neither gives
+// nor takes energy; *rise is its derivative by the way.
+static double elastic_over(const ancf_contact* c, double way, double* rise) {
     const ancf_normal* law = &c->law;
-    const double own = 0.5 * h * c->own, way = h * (u + own * force), depth = -(c->gap + way);
+    const double depth = -(c->gap + way);
     const ancf_normal spring = {law->kind, law->stiffness, law->exponent, 0.0};
-    pressing f = {0.0, 0.0, {0.0, 0.0}};
-    double rise; // of the elastic force, by the way
-    if (fabs(way) > 1e-7 * fabs(c->gap)) {
-        const double end = ancf_normal_force(&spring, depth, 0.0), n = ancf_normal_exponent(law);
-        f.elastic = (c->energy - (depth > 0.0 ? end * depth / (n + 1.0) : 0.0)) / way;
-        rise = (end - f.elastic) / way;
-    } else {
-        f.elastic = ancf_normal_force(&spring, depth + 0.5 * way, 0.0);
-        rise = -0.5 * ancf_normal_tangent(law, depth + 0.5 * way);
+    if (!(fabs(way) > 1e-7 * fabs(c->gap))) {
+        *rise = -0.5 * ancf_normal_tangent(law, depth + 0.5 * way);
+        return ancf_normal_force(&spring, depth + 0.5 * way, 0.0);
     }
-    if (!(f.elastic > 0.0)) return f;
-    double rate = 0.0, bends = 0.0; // of damping [N s/m], and by the elastic force
-    if (law->kind == ANCF_NORMAL_LINEAR) rate = law->damping * overlapping(c->gap, way);
-    if (law->kind == ANCF_NORMAL_NONLINEAR) rate = f.elastic * (bends = 1.5 * law->damping); // Eq. 10
+    const double end = ancf_normal_force(&spring, depth, 0.0), n = ancf_normal_exponent(law);
+    const double elastic = (c->energy - (depth > 0.0 ? end * depth / (n + 1.0) : 0.0)) / way;
+    *rise = (end - elastic) / way;
+    return elastic;
+}
+
+// Rate of damping [N s/m]; *bends: its derivative by the elastic force.
+static double damping_over(const ancf_contact* c, double way, double elastic, double* bends) {
+    *bends = 0.0;
+    if (c->law.kind == ANCF_NORMAL_LINEAR) return c->law.damping * overlapping(c->gap, way);
+    if (c->law.kind == ANCF_NORMAL_NONLINEAR) return elastic * (*bends = 1.5 * c->law.damping); // Eq. 10
+    return 0.0;
+}
+
+// What a contact answers over a sub-step h with velocity u, if `force` is what moves it; damping acts at the mean
+// velocity. Never pulling.
+static pressing answer_to(const ancf_contact* c, double u, double h, double force) {
+    const double own = 0.5 * h * c->own, way = h * (u + own * force);
+    pressing f = {0.0, 0.0, {0.0, 0.0}};
+    double rise, bends;
+    f.elastic = elastic_over(c, way, &rise);
+    if (!(f.elastic > 0.0)) {
+        f.elastic = 0.0;
+        return f;
+    }
+    const double rate = damping_over(c, way, f.elastic, &bends);
     // At the mean velocity u + own total.
     const double whole = 1.0 + rate * own;
     f.total = (f.elastic - rate * u) / whole;
@@ -152,6 +170,19 @@ static pressing answer_to(const ancf_contact* c, double u, double h, double forc
     f.slope[0] = rise * h * own;
     if (f.total > 0.0) f.slope[1] = (1.0 - bends * (u + own * f.total)) / whole * f.slope[0];
     return f;
+}
+
+double ancf_press_answer(const ancf_contact* c, double v, double h, double* elastic, double* slope) {
+    const double way = h * v;
+    double rise, bends;
+    *elastic = *slope = 0.0;
+    if (c->gap >= 0.0 && c->gap + way >= 0.0) return 0.0;
+    *elastic = ancf_larger(elastic_over(c, way, &rise), 0.0);
+    if (!(*elastic > 0.0)) return 0.0;
+    const double rate = damping_over(c, way, *elastic, &bends), total = *elastic - rate * v;
+    if (!(total > 0.0)) return 0.0;
+    *slope = h * rise * (1.0 - bends * v) - rate;
+    return total;
 }
 
 // One contact over a sub-step h, from its gap and the velocity u that it would have by itself: the force that is its
@@ -194,6 +225,7 @@ static void join(ancf_table* t, int i) {
     ancf_push* push = &t->push[i];
     memcpy(push->normal, c->normal, sizeof push->normal);
     push->pushed = ancf_table_opening(t, c) - c->speed;
+    push->number = 0;
     for (int s = 0; s < 2; ++s) {
         push->body[s] = -1;
         if (c->side[s].body < 0) continue;
@@ -207,32 +239,6 @@ static void join(ancf_table* t, int i) {
         }
         ancf_cross(along + 3, c->side[s].arm, along);
         ancf_body_answer(push->answer[s], b, along, along + 3);
-    }
-}
-
-// Velocity along the normal that a contact has gained since the sub-step began.
-static double gained(const ancf_table* t, const ancf_push* push) {
-    double sum = push->pushed;
-    for (int s = 0; s < 2; ++s) {
-        if (push->body[s] < 0) continue;
-        const double *v = t->body[push->body[s]].pushed, *along = push->along[s];
-        for (int k = 0; k < 6; k++) sum += along[k] * v[k];
-    }
-    return sum;
-}
-
-// Lets an impulse along the normal of contact i act on all that feel it.
-static void push_along(ancf_table* t, int i, double impulse) {
-    const ancf_push* push = &t->push[i];
-    const ancf_groups* g = &t->groups;
-    for (int k = g->first[i]; k < g->first[i + 1]; ++k) {
-        ancf_push* other = &t->push[g->other[k]];
-        other->pushed += impulse * g->effect[k] * ancf_dot(push->normal, other->normal);
-    }
-    for (int s = 0; s < 2; ++s) {
-        if (push->body[s] < 0) continue;
-        double* v = t->body[push->body[s]].pushed;
-        for (int k = 0; k < 6; k++) v[k] += impulse * push->answer[s][k];
     }
 }
 
@@ -257,17 +263,17 @@ static double press_round(ancf_table* t, const ancf_contact_group* g, double h, 
     for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
         const int i = contact[k];
         ancf_contact* c = &t->contact[i];
-        const double others = gained(t, &t->push[i]) - h * c->own * c->force;
+        const double others = ancf_push_gained(t, &t->push[i]) - h * c->own * c->force;
         *largest = ancf_larger(*largest, c->force);
         if (!first && fabs(others - c->met) <= h * c->own * little) continue; // its force would change by less
         const double more = press_with(c, others, h, first ? c->before : c->force);
         change = ancf_larger(change, fabs(more));
         *largest = ancf_larger(*largest, c->force);
-        if (!first && more != 0.0) push_along(t, i, h * more);
+        if (!first && more != 0.0) ancf_push_give(t, i, h * more);
     }
     for (int k = g->first[ANCF_CONTACTS]; first && k < g->end[ANCF_CONTACTS]; ++k) {
         const int i = contact[k];
-        if (t->contact[i].force > 0.0) push_along(t, i, h * t->contact[i].force);
+        if (t->contact[i].force > 0.0) ancf_push_give(t, i, h * t->contact[i].force);
     }
     return change;
 }
@@ -281,6 +287,20 @@ static void kick_along(ancf_table* t, ancf_contact* c, double h, double rest) {
     ancf_table_kick(t, c, P, rest);
 }
 
+// What rounds do not end, all at once, or one part after the other.
+static void squeeze(ancf_table* t, const ancf_contact_group* g, double h, double largest) {
+    const int *contact = t->groups.list[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
+    double change = INFINITY;
+    for (int round = 0; round < PARTS_ROUNDS && change > together * largest; ++round) {
+        change = 0.0;
+        for (int k = g->first[ANCF_CONTACTS]; k < end; k += ANCF_NEWTON_MOST) {
+            const int n = end - k < ANCF_NEWTON_MOST ? end - k : ANCF_NEWTON_MOST;
+            change = ancf_larger(change, ancf_squeeze(t, contact + k, n, h, 1e-3 * together * largest));
+        }
+        if (end - g->first[ANCF_CONTACTS] <= ANCF_NEWTON_MOST) return;
+    }
+}
+
 // The forces of a group over a sub-step, each the answer to all others.
 static void press_group(ancf_table* t, const ancf_contact_group* g, double h, double rest) {
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
@@ -292,14 +312,16 @@ static void press_group(ancf_table* t, const ancf_contact_group* g, double h, do
         return;
     }
     for (int k = first; k < end; ++k) join(t, contact[k]);
-    double largest = 0.0, change = 0.0;
-    for (int round = 0; round < TOGETHER && (round == 0 || change > together * largest); ++round) {
+    const int rounds = couples ? TOGETHER_COUPLED : TOGETHER;
+    double largest = 0.0, change = INFINITY;
+    for (int round = 0; round < rounds && change > together * largest; ++round) {
         change = press_round(t, g, h, round == 0, &largest);
         if (!couples) continue;
         for (int k = first; k < end; ++k) kick_along(t, &t->contact[contact[k]], h, rest);
         ancf_table_couple(t, rest);
         for (int k = first; k < end; ++k) join(t, contact[k]);
     }
+    if (!couples && change > together * largest) squeeze(t, g, h, largest);
     for (int k = first; k < end; ++k) kick_along(t, &t->contact[contact[k]], h, rest);
 }
 

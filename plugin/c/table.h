@@ -22,6 +22,7 @@ typedef struct {
     double pushed; // velocity along the normal since the sub-step began, but by bodies [m/s]
     double normal[3];
     int body[2];         // that move, or -1
+    int number;          // among those that are solved at once
     double along[2][6];  // velocity along the normal by their velocity and spin [-], [m]
     double answer[2][6]; // velocity and spin by a unit impulse [1/kg], [1/(kg m)]
 } ancf_push;
@@ -135,6 +136,10 @@ void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c
 
 // Velocity of the first side against the second's along the normal [m/s].
 double ancf_table_opening(const ancf_table* t, const ancf_contact* c);
+
+// Force of a contact over a sub-step h at a mean velocity along its normal [N]; *elastic is its elastic part, *slope
+// its derivative by the velocity.
+double ancf_press_answer(const ancf_contact* c, double v, double h, double* elastic, double* slope);
 
 // What one place does to another.
 ancf_effects ancf_table_effects(const ancf_table* t, int from, int to);

@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "newton.h"
+#include "rubbing.h"
 
 #include <string.h>
 
@@ -105,7 +106,7 @@ static void friction_belongs_to_the_slip(void** state) {
         make(&h, &seed, n, bodies, run % 2 ? 1e4 : 10.0);
         for (int again = 0; again < 2; ++again) {
             start(&h, &seed, again);
-            const int steps = ancf_newton_friction(h.P, h.v, &left, n, h.contact, h.W, 1e-10 * h.bound, scratch);
+            const int steps = ancf_rubbing_solve(h.P, h.v, &left, n, h.contact, h.W, 1e-10 * h.bound, scratch);
             if (steps > most) most = steps;
             assert_true(left <= 1e-10 * h.bound);
             check_solved(&h, 1.01e-10 * h.bound);
@@ -143,7 +144,7 @@ static void contacts_at_one_place_are_one(void** state) {
             for (int j = 0; j < n; ++j)
                 for (int a = 0; a < 2; ++a) W[2 * n * (2 * i + a) + 2 * j + a] = w;
         }
-        ancf_newton_friction(P, v, &left, n, contact, W, 1e-14 * all, scratch);
+        ancf_rubbing_solve(P, v, &left, n, contact, W, 1e-14 * all, scratch);
         const double stick = ancf_friction_solve(&law, speed, w * all, 0.0),
                      expected = stick < law.v0 ? stick : speed - w * all * law.mu_s;
         for (int i = 0; i < n; ++i) {
@@ -161,12 +162,12 @@ static void what_is_right_stays(void** state) {
     const ancf_friction law = {ANCF_FRICTION_COULOMB, 0.0, 0.4, 1e-2};
     const ancf_rubbing contact[2] = {{&law, 2.0, 0.4}, {&law, 3.0, 0.4}};
     double W[16] = {0}, P[4] = {0}, v[4] = {0.3, -0.4, 3e-3, 0.0}, left;
-    assert_int_equal(ancf_newton_friction(P, v, &left, 2, contact, W, 1e-12, scratch), 1);
+    assert_int_equal(ancf_rubbing_solve(P, v, &left, 2, contact, W, 1e-12, scratch), 1);
     assert_near(P[0], -0.48, 1e-15);
     assert_near(P[1], 0.64, 1e-15);
     assert_near(P[2], -0.36, 1e-15);
     assert_near(P[3], 0.0, 1e-15);
-    assert_int_equal(ancf_newton_friction(P, v, &left, 2, contact, W, 1e-12, scratch), 0);
+    assert_int_equal(ancf_rubbing_solve(P, v, &left, 2, contact, W, 1e-12, scratch), 0);
 }
 
 int main(void) {
