@@ -176,8 +176,8 @@ void ancf_table_guess(ancf_table* table, double step);
 // needs. Couplings are kept in each.
 void ancf_table_press(ancf_table* table, double step, int substeps);
 
-// Friction of all contacts that pressed, at the velocity after it. Returns the number of sweeps and Newton's steps; *left
-// is what friction is off by, as part of the largest friction force.
+// Friction of all contacts that pressed, at the velocity after it. Returns the number of sweeps and Newton's steps;
+// *left is what friction is off by, as part of the largest friction force.
 int ancf_table_rub(ancf_table* table, double step, double* left);
 
 // Impulses that make knots and points of bodies go on together from now on; `rest` is the time to the step's end.
