@@ -7,6 +7,7 @@
 // falling branch leaves a choice; then Newton's method finds all of a group, or of one part of it after the other.
 #include "drag.h"
 #include "lever.h"
+#include "parts.h"
 #include "rubbing.h"
 
 #include <math.h>
@@ -239,68 +240,13 @@ static double rub_part(ancf_table* t, const double* W, const int* contact, int n
     return change;
 }
 
-// Ends a part of the list at its end.
-static void end_part(ancf_table* t, int n) { t->part[++t->parts] = n; }
-
-// The body that a contact's friction moves, or -1.
-static int body_of(const ancf_table* t, const ancf_contact* c) {
-    for (int s = 1; s >= 0; --s)
-        if (c->side[s].body >= 0 && ancf_body_moves(&t->body[c->side[s].body])) return c->side[s].body;
-    return -1;
-}
-
-// Lists a contact and those of the same body, or those of the same element if there is none; returns the number listed.
-static int list_part(ancf_table* t, int contact, int n) {
-    const int body = body_of(t, &t->contact[contact]);
-    int size = 0, next = body < 0 ? contact : t->first_on[body];
-    const int place = t->contact[contact].side[0].place;
-    for (; next >= 0; next = t->next_on[next]) {
-        const int other = t->contact[next].side[0].place;
-        if (body < 0 && (place < 0 || other < 0 || t->place[place].element != t->place[other].element) &&
-            next != contact)
-            break;
-        if (t->drag[next].listed) continue;
-        if (size > 0 && size % ANCF_NEWTON_MOST == 0) end_part(t, n);
-        t->drag[next].listed = true;
-        t->rubbing[n++] = next;
-        ++size;
-    }
-    end_part(t, n);
-    return n;
-}
-
-// Lists the contacts of a group that rub, in parts of one body each, neighbours after one another; takes back what was
-// guessed of the others. Returns their number.
-static int list_rubbing(ancf_table* t, const ancf_contact_group* g, double step) {
-    const int *contact = t->groups.list[ANCF_CONTACTS], *bodies = t->groups.list[ANCF_BODIES];
-    int n = 0, seen = 0, bare = -1; // the first of those that move no body
-    t->parts = t->part[0] = 0;
-    for (int k = g->first[ANCF_BODIES]; k < g->end[ANCF_BODIES]; ++k) t->first_on[bodies[k]] = -1;
-    for (int k = g->end[ANCF_CONTACTS] - 1; k >= g->first[ANCF_CONTACTS]; --k) {
-        const int i = contact[k], body = body_of(t, &t->contact[i]);
-        int* first = body < 0 ? &bare : &t->first_on[body];
-        t->drag[i].listed = !rubs(&t->contact[i]);
-        if (t->drag[i].listed) continue;
-        t->next_on[i] = *first;
-        *first = i;
-    }
+// Marks the contacts of a group that rub as to be listed; takes back what was guessed of the others.
+static void take_back(ancf_table* t, const ancf_contact_group* g, double step) {
     for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
-        const int i = contact[k];
-        if (!rubs(&t->contact[i])) finish(t, &t->contact[i], (double[3]) {0.0, 0.0, 0.0}, step);
-        if (!t->drag[i].listed) n = list_part(t, i, n);
-        for (; seen < n; ++seen)
-            for (int j = t->groups.first[t->rubbing[seen]]; j < t->groups.first[t->rubbing[seen] + 1]; ++j)
-                if (!t->drag[t->groups.other[j]].listed) n = list_part(t, t->groups.other[j], n);
+        const int i = t->groups.list[ANCF_CONTACTS][k];
+        t->drag[i].listed = !rubs(&t->contact[i]);
+        if (t->drag[i].listed) finish(t, &t->contact[i], (double[3]) {0.0, 0.0, 0.0}, step);
     }
-    return n;
-}
-
-// Joins parts that follow one another, as far as they are solved at once.
-static void join_parts(ancf_table* t, int most) {
-    int parts = 0;
-    for (int k = 1; k <= t->parts; ++k)
-        if (k == t->parts || t->part[k + 1] - t->part[parts] > most) t->part[++parts] = t->part[k];
-    t->parts = parts;
 }
 
 // One part after the other until none changes, or so many rounds. Returns by how much friction is off.
@@ -324,7 +270,8 @@ static double rub_parts(ancf_table* t, int rounds, double largest, int* steps) {
 
 // Friction of what presses in a group. Returns the number of sweeps and of Newton's steps.
 static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, double* left) {
-    const int n = list_rubbing(t, g, step), *contact = t->rubbing;
+    take_back(t, g, step);
+    const int n = ancf_parts_list(t, g), *contact = t->rubbing;
     double largest = 0.0, off = INFINITY;
     int needed = 0;
     for (int k = 0; k < n; ++k) largest = ancf_larger(largest, start(t, contact[k], step));
@@ -336,11 +283,11 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
         off = sqrt(change);
     }
     if (off > tolerance * largest) {
-        if (n <= FEW) join_parts(t, FEW);
+        if (n <= FEW) ancf_parts_join(t, FEW);
         const int parts = t->parts;
         off = rub_parts(t, ROUNDS, largest, &needed);
         if (off > tolerance * largest && parts > 1) {
-            join_parts(t, ANCF_NEWTON_MOST);
+            ancf_parts_join(t, ANCF_NEWTON_MOST);
             off = rub_parts(t, ROUNDS_LARGE, largest, &needed);
         }
     }

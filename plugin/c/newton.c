@@ -11,7 +11,6 @@
 #include "internal.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { STEPS = 30, PARTS = 20 };
 

@@ -1,4 +1,6 @@
 // Normal forces of the contacts, in sub-steps of the cable's step.
+#include "answer.h"
+#include "push.h"
 #include "squeeze.h"
 
 #include <math.h>
@@ -114,86 +116,15 @@ int ancf_table_substeps(ancf_table* t, double step, int* stiffest) {
     return t->most = most;
 }
 
-// Normal force of a sub-step.
-typedef struct {
-    double elastic, total; // [N]
-    double slope[2];       // of both, by the force that moves the contact [-]
-} pressing;
-
-// Part of a way on which there is overlap.
-static double overlapping(double gap, double way) {
-    const double end = gap + way;
-    if (gap <= 0.0) return end <= 0.0 ? 1.0 : -gap / way;
-    return end >= 0.0 ? 0.0 : end / way;
-}
-
-// Minus the quotient of elastic energy and way (a discrete gradient), so that the length of the sub-steps neither gives
-// nor takes energy; *rise is its derivative by the way.
-static double elastic_over(const ancf_contact* c, double way, double* rise) {
-    const ancf_normal* law = &c->law;
-    const double depth = -(c->gap + way);
-    const ancf_normal spring = {law->kind, law->stiffness, law->exponent, 0.0};
-    if (!(fabs(way) > 1e-7 * fabs(c->gap))) {
-        *rise = -0.5 * ancf_normal_tangent(law, depth + 0.5 * way);
-        return ancf_normal_force(&spring, depth + 0.5 * way, 0.0);
-    }
-    const double end = ancf_normal_force(&spring, depth, 0.0), n = ancf_normal_exponent(law);
-    const double elastic = (c->energy - (depth > 0.0 ? end * depth / (n + 1.0) : 0.0)) / way;
-    *rise = (end - elastic) / way;
-    return elastic;
-}
-
-// Rate of damping [N s/m]; *bends: its derivative by the elastic force.
-static double damping_over(const ancf_contact* c, double way, double elastic, double* bends) {
-    *bends = 0.0;
-    if (c->law.kind == ANCF_NORMAL_LINEAR) return c->law.damping * overlapping(c->gap, way);
-    if (c->law.kind == ANCF_NORMAL_NONLINEAR) return elastic * (*bends = 1.5 * c->law.damping); // Eq. 10
-    return 0.0;
-}
-
-// What a contact answers over a sub-step h with velocity u, if `force` is what moves it; damping acts at the mean
-// velocity. Never pulling.
-static pressing answer_to(const ancf_contact* c, double u, double h, double force) {
-    const double own = 0.5 * h * c->own, way = h * (u + own * force);
-    pressing f = {0.0, 0.0, {0.0, 0.0}};
-    double rise, bends;
-    f.elastic = elastic_over(c, way, &rise);
-    if (!(f.elastic > 0.0)) {
-        f.elastic = 0.0;
-        return f;
-    }
-    const double rate = damping_over(c, way, f.elastic, &bends);
-    // At the mean velocity u + own total.
-    const double whole = 1.0 + rate * own;
-    f.total = (f.elastic - rate * u) / whole;
-    f.total = ancf_larger(f.total, 0.0);
-    f.slope[0] = rise * h * own;
-    if (f.total > 0.0) f.slope[1] = (1.0 - bends * (u + own * f.total)) / whole * f.slope[0];
-    return f;
-}
-
-double ancf_press_answer(const ancf_contact* c, double v, double h, double* elastic, double* slope) {
-    const double way = h * v;
-    double rise, bends;
-    *elastic = *slope = 0.0;
-    if (c->gap >= 0.0 && c->gap + way >= 0.0) return 0.0;
-    *elastic = ancf_larger(elastic_over(c, way, &rise), 0.0);
-    if (!(*elastic > 0.0)) return 0.0;
-    const double rate = damping_over(c, way, *elastic, &bends), total = *elastic - rate * v;
-    if (!(total > 0.0)) return 0.0;
-    *slope = h * rise * (1.0 - bends * v) - rate;
-    return total;
-}
-
 // One contact over a sub-step h, from its gap and the velocity u that it would have by itself: the force that is its
 // own answer, sought from a guess on. The answer falls with the force, so Newton's method within brackets finds it
 // however stiff the contact is.
-static pressing press_one(const ancf_contact* c, double u, double h, double guess) {
-    if (c->gap >= 0.0 && c->gap + h * u >= 0.0) return (pressing) {0.0, 0.0, {0.0, 0.0}};
+static ancf_pressing press_one(const ancf_contact* c, double u, double h, double guess) {
+    if (c->gap >= 0.0 && c->gap + h * u >= 0.0) return (ancf_pressing) {0.0, 0.0, {0.0, 0.0}};
     double low = 0.0, high = INFINITY, force = guess;
-    pressing f;
+    ancf_pressing f;
     for (int i = 0; i < ROUNDS; ++i) {
-        f = answer_to(c, u, h, force);
+        f = ancf_answer_alone(c, u, h, force);
         const double off = f.total - force, more = off / (1.0 - fmin(f.slope[1], 0.0));
         if (fabs(off) <= enough * force) { // the error is of the order of its square
             f.total = force + more;
@@ -204,7 +135,7 @@ static pressing press_one(const ancf_contact* c, double u, double h, double gues
         else high = force;
         force += more;
         if (force > low && force < high) continue;
-        if (high == INFINITY) high = answer_to(c, u, h, low).total;
+        if (high == INFINITY) high = ancf_answer_alone(c, u, h, low).total;
         force = 0.5 * (low + high);
         if (!(force > low && force < high)) break;
     }
@@ -219,33 +150,10 @@ static double repay(const ancf_contact* c, double force, double speed, double h)
     return fmax(-most, fmin(most, -c->owed / (h * speed)));
 }
 
-// Gets a contact ready to be pressed with others in a sub-step.
-static void join(ancf_table* t, int i) {
-    const ancf_contact* c = &t->contact[i];
-    ancf_push* push = &t->push[i];
-    memcpy(push->normal, c->normal, sizeof push->normal);
-    push->pushed = ancf_table_opening(t, c) - c->speed;
-    push->number = 0;
-    for (int s = 0; s < 2; ++s) {
-        push->body[s] = -1;
-        if (c->side[s].body < 0) continue;
-        ancf_body* b = &t->body[c->side[s].body];
-        if (!ancf_body_moves(b)) continue;
-        push->body[s] = c->side[s].body;
-        double* along = push->along[s];
-        for (int k = 0; k < 3; k++) {
-            along[k] = s ? -c->normal[k] : c->normal[k];
-            b->pushed[k] = b->pushed[3 + k] = 0.0;
-        }
-        ancf_cross(along + 3, c->side[s].arm, along);
-        ancf_body_answer(push->answer[s], b, along, along + 3);
-    }
-}
-
 // One contact's force while what others give it goes on as it is [m/s]. Returns its change.
 static double press_with(ancf_contact* c, double others, double h, double guess) {
     c->met = others;
-    const pressing f = press_one(c, c->speed + 0.5 * others, h, guess);
+    const ancf_pressing f = press_one(c, c->speed + 0.5 * others, h, guess);
     c->repaid = repay(c, f.total, c->speed + 0.5 * (others + h * c->own * f.total), h);
     const double before = c->force;
     c->force = c->before = f.total + c->repaid;
@@ -311,7 +219,7 @@ static void press_group(ancf_table* t, const ancf_contact_group* g, double h, do
         kick_along(t, c, h, rest);
         return;
     }
-    for (int k = first; k < end; ++k) join(t, contact[k]);
+    for (int k = first; k < end; ++k) ancf_push_find(t, contact[k]);
     const int rounds = couples ? TOGETHER_COUPLED : TOGETHER;
     double largest = 0.0, change = INFINITY;
     for (int round = 0; round < rounds && change > together * largest; ++round) {
@@ -319,7 +227,7 @@ static void press_group(ancf_table* t, const ancf_contact_group* g, double h, do
         if (!couples) continue;
         for (int k = first; k < end; ++k) kick_along(t, &t->contact[contact[k]], h, rest);
         ancf_table_couple(t, rest);
-        for (int k = first; k < end; ++k) join(t, contact[k]);
+        for (int k = first; k < end; ++k) ancf_push_find(t, contact[k]);
     }
     if (!couples && change > together * largest) squeeze(t, g, h, largest);
     for (int k = first; k < end; ++k) kick_along(t, &t->contact[contact[k]], h, rest);

@@ -4,31 +4,29 @@
 
 #include <math.h>
 
-// Coefficient of friction and its slope over the speed; *rate is coefficient over speed, also at rest.
-static double coefficient_at(const ancf_rubbing* c, double speed, double* rate, double* slope) {
+// Coefficient of friction over the speed, also at rest; *slope is its slope.
+static double rate_at(const ancf_rubbing* c, double speed, double* slope) {
     double coefficient = ancf_friction_rising(c->law, speed, slope);
     if (coefficient > c->most) {
         coefficient = c->most;
         *slope = 0.0;
     }
-    *rate = speed > 0.0 ? coefficient / speed : *slope;
-    return coefficient;
+    return speed > 0.0 ? coefficient / speed : *slope;
 }
 
 // Friction at a slip.
 static void friction_at(double* F, const void* contacts, int i, const double* v) {
     const ancf_rubbing* c = (const ancf_rubbing*)contacts + i;
-    double rate, slope;
-    coefficient_at(c, sqrt(v[0] * v[0] + v[1] * v[1]), &rate, &slope);
+    double slope;
+    const double rate = rate_at(c, sqrt(v[0] * v[0] + v[1] * v[1]), &slope);
     for (int a = 0; a < 2; ++a) F[a] = -c->pressed * rate * v[a];
 }
 
 // Root of minus its derivative.
 static void root_at(double R[3], const void* contacts, int i, const double* v) {
     const ancf_rubbing* c = (const ancf_rubbing*)contacts + i;
-    double rate, slope;
-    const double speed = sqrt(v[0] * v[0] + v[1] * v[1]);
-    coefficient_at(c, speed, &rate, &slope);
+    double slope;
+    const double speed = sqrt(v[0] * v[0] + v[1] * v[1]), rate = rate_at(c, speed, &slope);
     const double across = sqrt(c->pressed * rate), along = sqrt(c->pressed * fmax(slope, 0.0)) - across,
                  x = speed > 0.0 ? v[0] / speed : 1.0, y = speed > 0.0 ? v[1] / speed : 0.0;
     R[0] = across + along * x * x;

@@ -2,31 +2,10 @@
 // elastic energy and way h w with what damping adds: it falls with w, as Newton's method wants it.
 #include "squeeze.h"
 
+#include "answer.h"
+#include "push.h"
+
 #include <math.h>
-
-double ancf_push_gained(const ancf_table* t, const ancf_push* push) {
-    double sum = push->pushed;
-    for (int s = 0; s < 2; ++s) {
-        if (push->body[s] < 0) continue;
-        const double *v = t->body[push->body[s]].pushed, *along = push->along[s];
-        for (int k = 0; k < 6; k++) sum += along[k] * v[k];
-    }
-    return sum;
-}
-
-void ancf_push_give(ancf_table* t, int contact, double impulse) {
-    const ancf_push* push = &t->push[contact];
-    const ancf_groups* g = &t->groups;
-    for (int k = g->first[contact]; k < g->first[contact + 1]; ++k) {
-        ancf_push* other = &t->push[g->other[k]];
-        other->pushed += impulse * g->effect[k] * ancf_dot(push->normal, other->normal);
-    }
-    for (int s = 0; s < 2; ++s) {
-        if (push->body[s] < 0) continue;
-        double* v = t->body[push->body[s]].pushed;
-        for (int k = 0; k < 6; k++) v[k] += impulse * push->answer[s][k];
-    }
-}
 
 // What the contacts' forces do to their mean velocities.
 static void find_effects(double* W, ancf_table* t, const int* contact, int n, double h) {
@@ -61,34 +40,52 @@ typedef struct {
 static void force_at(double* F, const void* law, int i, const double* v) {
     const squeezed* s = law;
     double slope, elastic;
-    *F = ancf_press_answer(&s->t->contact[s->contact[i]], *v, s->h, &elastic, &slope);
+    *F = ancf_answer_at(&s->t->contact[s->contact[i]], *v, s->h, &elastic, &slope);
 }
 
 static void root_at(double R[3], const void* law, int i, const double* v) {
     const squeezed* s = law;
     double slope, elastic;
-    ancf_press_answer(&s->t->contact[s->contact[i]], *v, s->h, &elastic, &slope);
+    ancf_answer_at(&s->t->contact[s->contact[i]], *v, s->h, &elastic, &slope);
     R[0] = slope < 0.0 ? sqrt(-slope) : 0.0;
 }
 
+// Forces that the laws give, in v the mean velocities that all of them leave. What does not press gives back nothing.
+static void press_all(double* force, double* v, double* repaid, const ancf_newton_laws* laws, ancf_table* t,
+                      double enough) {
+    const int n = laws->n;
+    for (bool again = true; again;) {
+        double left;
+        ancf_newton(force, v, &left, laws, t->effects, enough, t->newton);
+        again = false;
+        for (int i = 0; i < n; ++i) {
+            if (force[i] > 0.0 || repaid[i] == 0.0) continue;
+            for (int j = 0; j < n; ++j) v[j] -= t->effects[j * n + i] * repaid[i];
+            repaid[i] = 0.0;
+            again = true;
+        }
+    }
+}
+
 double ancf_squeeze(ancf_table* t, const int* contact, int n, double h, double enough) {
-    double force[ANCF_NEWTON_MOST], v[ANCF_NEWTON_MOST], left, largest = 0.0;
+    double force[ANCF_NEWTON_MOST], v[ANCF_NEWTON_MOST], repaid[ANCF_NEWTON_MOST], largest = 0.0;
     const squeezed s = {t, contact, h};
     const ancf_newton_laws laws = {n, 1, force_at, root_at, &s};
     for (int i = 0; i < n; ++i) {
         const ancf_contact* c = &t->contact[contact[i]];
+        repaid[i] = c->repaid;
         force[i] = c->force - c->repaid;
         v[i] = c->speed + 0.5 * ancf_push_gained(t, &t->push[contact[i]]);
     }
     find_effects(t->effects, t, contact, n, h);
-    ancf_newton(force, v, &left, &laws, t->effects, enough, t->newton);
+    press_all(force, v, repaid, &laws, t, enough);
     for (int i = 0; i < n; ++i) {
         ancf_contact* c = &t->contact[contact[i]];
         double slope;
-        ancf_press_answer(c, v[i], h, &c->elastic, &slope);
-        const double more = force[i] - (c->force - c->repaid);
-        c->force += more;
-        c->before = c->force;
+        ancf_answer_at(c, v[i], h, &c->elastic, &slope);
+        const double more = force[i] + repaid[i] - c->force;
+        c->force = c->before = c->force + more;
+        c->repaid = repaid[i];
         ancf_push_give(t, contact[i], h * more);
         largest = ancf_larger(largest, fabs(more));
     }

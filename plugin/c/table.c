@@ -246,8 +246,27 @@ static void start_body(ancf_body* b) {
     }
 }
 
+static double body_compliance(const ancf_body* b, const double arm[3], const double direction[3]) {
+    double twist[3], answer[6];
+    ancf_cross(twist, arm, direction);
+    ancf_body_answer(answer, b, direction, twist);
+    return ancf_dot(answer, direction) + ancf_dot(answer + 3, twist);
+}
+
+// Velocity along the normal by a unit impulse along it [1/kg].
+static double compliance(const ancf_table* t, const ancf_contact* c) {
+    double w = 0.0;
+    for (int s = 0; s < 2; ++s) {
+        if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
+        if (c->side[s].body >= 0) w += body_compliance(&t->body[c->side[s].body], c->side[s].arm, c->normal);
+    }
+    if (c->side[0].place >= 0 && c->side[1].place >= 0)
+        w -= 2.0 * ancf_table_effects(t, c->side[0].place, c->side[1].place).effect;
+    return w > 0.0 ? w : 0.0;
+}
+
 static void start_contact(ancf_table* t, ancf_contact* c) {
-    c->own = ancf_table_compliance(t, c, c->normal);
+    c->own = compliance(t, c);
     c->impulse = c->force = c->energy = 0.0;
     memcpy(c->start, c->side[1].arm, sizeof c->start);
     memcpy(c->line, c->normal, sizeof c->line);
@@ -448,28 +467,10 @@ void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c
     for (int i = 0; i < 3; i++) a[i] = there[i] - here[i];
 }
 
-static double body_compliance(const ancf_body* b, const double arm[3], const double direction[3]) {
-    double twist[3], answer[6];
-    ancf_cross(twist, arm, direction);
-    ancf_body_answer(answer, b, direction, twist);
-    return ancf_dot(answer, direction) + ancf_dot(answer + 3, twist);
-}
-
 ancf_effects ancf_table_effects(const ancf_table* t, int from, int to) {
     for (int k = t->first[from]; k < t->first[from + 1]; ++k)
         if (t->other[k] == to) return (ancf_effects) {t->effect[k], t->bend[k]};
     return (ancf_effects) {0};
-}
-
-double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const double direction[3]) {
-    double w = 0.0;
-    for (int s = 0; s < 2; ++s) {
-        if (c->side[s].place >= 0) w += t->place[c->side[s].place].compliance;
-        if (c->side[s].body >= 0) w += body_compliance(&t->body[c->side[s].body], c->side[s].arm, direction);
-    }
-    if (c->side[0].place >= 0 && c->side[1].place >= 0)
-        w -= 2.0 * ancf_table_effects(t, c->side[0].place, c->side[1].place).effect;
-    return w > 0.0 ? w : 0.0;
 }
 
 void ancf_table_end(ancf_table* t, double step) {

@@ -137,14 +137,7 @@ void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c
 // Velocity of the first side against the second's along the normal [m/s].
 double ancf_table_opening(const ancf_table* t, const ancf_contact* c);
 
-// Force of a contact over a sub-step h at a mean velocity along its normal [N]; *elastic is its elastic part, *slope
-// its derivative by the velocity.
-double ancf_press_answer(const ancf_contact* c, double v, double h, double* elastic, double* slope);
-
 // What one place does to another.
 ancf_effects ancf_table_effects(const ancf_table* t, int from, int to);
-
-// Velocity at a side by a unit impulse along a unit vector at it, along that vector [1/kg].
-double ancf_table_compliance(const ancf_table* t, const ancf_contact* c, const double direction[3]);
 
 #endif

@@ -239,6 +239,33 @@ static void check_root(const ancf_friction* law, const curve* c, double speed, d
     const bool near_double = fabsl(slope) < 1e-3L;
     if (!near_double) assert_near(u, (double)root, (double)allowed);
     assert_near((double)(u + beta * mu_of(c, u)), speed, 8.0 * DBL_EPSILON * (speed + fabs((double)(root * slope))));
+    for (int k = 1; k < 8; ++k) { // wherever it is sought first
+        const double again = ancf_friction_solve(law, speed, beta, speed * k * k / 40.0);
+        if (!near_double) assert_near(again, (double)root, (double)allowed);
+    }
+}
+
+// As long as it rises with the speed it is the law; its slope is that of its values.
+static void rising_friction_is_the_law(void** state) {
+    (void)state;
+    uint64_t seed = 10;
+    int kept = 0;
+    for (int i = 0; i < 6000; i++) {
+        const double v0 = random_magnitude(&seed, 1e-6, 1.0), mu_k = random_between(&seed, 0.0, 1.0),
+                     mu_s = i % 3 == 0 ? random_between(&seed, 0.0, 1.0) : mu_k + random_between(&seed, 0.0, 1.0);
+        const ancf_friction law = {i % 7 == 0 ? ANCF_FRICTION_COULOMB : ANCF_FRICTION_HOLLARS, mu_s, mu_k, v0};
+        const curve c = {mu_s, mu_k, v0, law.kind == ANCF_FRICTION_COULOMB};
+        const double u = v0 * random_magnitude(&seed, 1e-3, 1e3), h = 1e-6 * u;
+        double slope, unused;
+        const double mu = ancf_friction_rising(&law, u, &slope);
+        const bool falls = law.kind == ANCF_FRICTION_HOLLARS && mu_s > mu_k && u > v0;
+        assert_near(mu, falls ? mu_s : (double)mu_of(&c, u), 1e-14);
+        kept += falls;
+        if (fabs(u - v0) < 2.0 * h) continue;
+        const double rise = ancf_friction_rising(&law, u + h, &unused) - ancf_friction_rising(&law, u - h, &unused);
+        assert_near(slope, rise / (2.0 * h), 1e-8 / u);
+    }
+    assert_true(kept > 1000);
 }
 
 static void friction_solve_finds_smallest_root(void** state) {
@@ -352,6 +379,7 @@ int main(void) {
         cmocka_unit_test(coulomb_points),
         cmocka_unit_test(friction_never_drives),
         cmocka_unit_test(friction_solve_finds_smallest_root),
+        cmocka_unit_test(rising_friction_is_the_law),
         cmocka_unit_test(friction_solve_sticks),
         cmocka_unit_test(friction_solve_at_the_peak),
         cmocka_unit_test(friction_solve_at_the_ends),
