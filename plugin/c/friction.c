@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SWEEPS = 2, RENEWALS = 3 };
+enum { SWEEPS = 2, RENEWALS = 20 };
 
 // Contacts of a group that are one part at once; rounds over parts of one body each, then over larger ones.
 enum { FEW = 8, ROUNDS = 8, ROUNDS_LARGE = 16 };
@@ -216,18 +216,19 @@ static double rub_part(ancf_table* t, const double* W, const int* contact, int n
         memcpy(P + 2 * i, t->drag[contact[i]].impulse, sizeof t->drag->impulse);
         ancf_drag_slip(v + 2 * i, t, c, &t->drag[contact[i]]);
     }
-    bool other = true;
-    for (int renewal = 0; renewal < RENEWALS && other; ++renewal) {
+    double renewed = INFINITY; // largest change of a force by its coefficient
+    for (int renewal = 0; renewal < RENEWALS && renewed > tolerance * largest; ++renewal) {
         *steps += ancf_rubbing_solve(P, v, left, n, part, W, tolerance * largest, t->newton);
-        other = false;
+        renewed = 0.0;
         for (int i = 0; i < n; ++i) {
             const ancf_contact* c = &t->contact[contact[i]];
             const double speed = sqrt(square(v + 2 * i)), most = most_at(c, speed);
-            if (!(speed > c->rub.v0) || fabs(most - part[i].most) * c->impulse <= tolerance * largest) continue;
+            if (!(speed > c->rub.v0)) continue;
+            renewed = ancf_larger(renewed, fabs(most - part[i].most) * c->impulse);
             part[i].most = most;
-            other = true;
         }
     }
+    *left = ancf_larger(*left, renewed);
     for (int i = 0; i < n; ++i) {
         ancf_contact* c = &t->contact[contact[i]];
         ancf_drag* d = &t->drag[contact[i]];

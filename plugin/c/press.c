@@ -195,29 +195,32 @@ static void kick_along(ancf_table* t, ancf_contact* c, double h, double rest) {
     ancf_table_kick(t, c, P, rest);
 }
 
-// What rounds do not end, all at once, or one part after the other.
-static void squeeze(ancf_table* t, const ancf_contact_group* g, double h, double largest) {
-    const int *contact = t->groups.list[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
-    double change = INFINITY;
-    for (int round = 0; round < PARTS_ROUNDS && change > together * largest; ++round) {
-        change = 0.0;
-        for (int k = g->first[ANCF_CONTACTS]; k < end; k += ANCF_NEWTON_MOST) {
+// What rounds do not end, all at once, or one part after the other. Returns what a force is off by.
+static double squeeze(ancf_table* t, const ancf_contact_group* g, double h, double largest) {
+    const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
+    double off = INFINITY;
+    for (int round = 0; round < PARTS_ROUNDS && off > together * largest; ++round) {
+        off = 0.0;
+        for (int k = first; k < end; k += ANCF_NEWTON_MOST) {
             const int n = end - k < ANCF_NEWTON_MOST ? end - k : ANCF_NEWTON_MOST;
-            change = ancf_larger(change, ancf_squeeze(t, contact + k, n, h, 1e-3 * together * largest));
+            double left;
+            const double change = ancf_squeeze(&left, t, contact + k, n, h, 1e-3 * together * largest);
+            off = ancf_larger(off, n < end - first ? ancf_larger(change, left) : left);
         }
-        if (end - g->first[ANCF_CONTACTS] <= ANCF_NEWTON_MOST) return;
     }
+    return off;
 }
 
-// The forces of a group over a sub-step, each the answer to all others.
-static void press_group(ancf_table* t, const ancf_contact_group* g, double h, double rest) {
+// The forces of a group over a sub-step, each the answer to all others. Returns what they are off by, as part of the
+// largest.
+static double press_group(ancf_table* t, const ancf_contact_group* g, double h, double rest) {
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     const bool couples = t->n_couplings > 0;
     if (end == first + 1 && !couples) { // alone
         ancf_contact* c = &t->contact[contact[first]];
         press_with(c, ancf_table_opening(t, c) - c->speed, h, c->before);
         kick_along(t, c, h, rest);
-        return;
+        return 0.0;
     }
     for (int k = first; k < end; ++k) ancf_push_find(t, contact[k]);
     const int rounds = couples ? TOGETHER_COUPLED : TOGETHER;
@@ -229,8 +232,9 @@ static void press_group(ancf_table* t, const ancf_contact_group* g, double h, do
         ancf_table_couple(t, rest);
         for (int k = first; k < end; ++k) ancf_push_find(t, contact[k]);
     }
-    if (!couples && change > together * largest) squeeze(t, g, h, largest);
+    if (!couples && change > together * largest) change = squeeze(t, g, h, largest);
     for (int k = first; k < end; ++k) kick_along(t, &t->contact[contact[k]], h, rest);
+    return largest > 0.0 ? change / largest : 0.0;
 }
 
 // Moves the arm of the second side on by a time: its end goes with the first side. Positions go through the whole step
@@ -254,8 +258,8 @@ static void swing(const ancf_table* t, ancf_contact* c, double time, double unti
 }
 
 // h: its length; at: its middle; since: the time from the last one's middle; until: from its start to the step's
-// middle.
-static void substep(ancf_table* t, const ancf_contact_group* g, double h, double at, double rest, double since,
+// middle. Returns what forces are off by.
+static double substep(ancf_table* t, const ancf_contact_group* g, double h, double at, double rest, double since,
                     double until) {
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     for (int k = first; k < end; ++k) {
@@ -266,7 +270,7 @@ static void substep(ancf_table* t, const ancf_contact_group* g, double h, double
         c->energy = ancf_normal_energy(&c->law, -c->gap);
     }
     ancf_table_speed_up_group(t, g, h);
-    press_group(t, g, h, rest);
+    const double left = press_group(t, g, h, rest);
     for (int k = first; k < end; ++k) {
         ancf_contact* c = &t->contact[contact[k]];
         const double way = 0.5 * h * (c->speed + ancf_table_opening(t, c));
@@ -277,14 +281,16 @@ static void substep(ancf_table* t, const ancf_contact_group* g, double h, double
         c->owed += c->repaid * way;
         c->depth = ancf_larger(c->depth, -c->gap);
     }
+    return left;
 }
 
-static void press_through(ancf_table* t, const ancf_contact_group* g, double step, int substeps) {
+static double press_through(ancf_table* t, const ancf_contact_group* g, double step, int substeps) {
     const double h = step / (substeps > 0 ? substeps : 1);
+    double left = 0.0;
     if (substeps) ancf_table_speed_up_group(t, g, -0.5 * step); // from the middle of the step to its start
     for (int s = 0; s < substeps; ++s) {
         const double at = (s + 0.5) * h;
-        substep(t, g, h, at, step - at, s ? h : 0.5 * h, 0.5 * step - s * h);
+        left = ancf_larger(left, substep(t, g, h, at, step - at, s ? h : 0.5 * h, 0.5 * step - s * h));
     }
     if (substeps) ancf_table_speed_up_group(t, g, -0.5 * step);
     for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
@@ -296,13 +302,16 @@ static void press_through(ancf_table* t, const ancf_contact_group* g, double ste
         c->energy = ancf_normal_energy(&c->law, -c->gap);
         ancf_table_going(c->going, t, c);
     }
+    return left;
 }
 
-void ancf_table_press(ancf_table* t, double step, int substeps) {
+double ancf_table_press(ancf_table* t, double step, int substeps) {
+    double left = 0.0;
     for (int k = 0; k < t->groups.n; ++k) {
         const ancf_contact_group* g = &t->groups.group[k];
         int n = substeps;
         if (t->most > 0) n = (int)ceil((double)g->substeps * substeps / t->most);
-        press_through(t, g, step, n);
+        left = ancf_larger(left, press_through(t, g, step, n));
     }
+    return left;
 }

@@ -51,12 +51,11 @@ static void root_at(double R[3], const void* law, int i, const double* v) {
 }
 
 // Forces that the laws give, in v the mean velocities that all of them leave. What does not press gives back nothing.
-static void press_all(double* force, double* v, double* repaid, const ancf_newton_laws* laws, ancf_table* t,
-                      double enough) {
+static void press_all(double* force, double* v, double* repaid, double* left, const ancf_newton_laws* laws,
+                      ancf_table* t, double enough) {
     const int n = laws->n;
     for (bool again = true; again;) {
-        double left;
-        ancf_newton(force, v, &left, laws, t->effects, enough, t->newton);
+        ancf_newton(force, v, left, laws, t->effects, enough, t->newton);
         again = false;
         for (int i = 0; i < n; ++i) {
             if (force[i] > 0.0 || repaid[i] == 0.0) continue;
@@ -67,7 +66,7 @@ static void press_all(double* force, double* v, double* repaid, const ancf_newto
     }
 }
 
-double ancf_squeeze(ancf_table* t, const int* contact, int n, double h, double enough) {
+double ancf_squeeze(double* left, ancf_table* t, const int* contact, int n, double h, double enough) {
     double force[ANCF_NEWTON_MOST], v[ANCF_NEWTON_MOST], repaid[ANCF_NEWTON_MOST], largest = 0.0;
     const squeezed s = {t, contact, h};
     const ancf_newton_laws laws = {n, 1, force_at, root_at, &s};
@@ -78,7 +77,7 @@ double ancf_squeeze(ancf_table* t, const int* contact, int n, double h, double e
         v[i] = c->speed + 0.5 * ancf_push_gained(t, &t->push[contact[i]]);
     }
     find_effects(t->effects, t, contact, n, h);
-    press_all(force, v, repaid, &laws, t, enough);
+    press_all(force, v, repaid, left, &laws, t, enough);
     for (int i = 0; i < n; ++i) {
         ancf_contact* c = &t->contact[contact[i]];
         double slope;

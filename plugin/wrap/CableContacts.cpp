@@ -18,6 +18,7 @@ namespace yade {
 
 namespace {
     constexpr int substepsMost = 5000; // of contacts in a step
+    constexpr Real normalUnsolved = .1, frictionUnsolved = 1; // parts of the largest force by which one may be off
     constexpr int restingSteps = 100;  // of the cable, that an element should be able to move before it leaves its box
     constexpr Real stepsAhead = 2.5;   // more than what the functors look for, as speeds grow until boxes are new
     constexpr Real marginAhead = .05;  // and this part of the radius besides
@@ -351,7 +352,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     ancf_table* t = table.get();
     if (step == 0) {
         cable.contactSteps = cable.sweeps = 0;
-        cable.frictionLeft = 0;
+        cable.normalLeft = cable.frictionLeft = 0;
         acted = false;
     }
     velocity = m->free;
@@ -385,15 +386,22 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
                           " sub-steps in ", time.step,
                           " s: it is too stiff, or what touches too light or too fast; use O.dt <= ",
                           steps * time.step * substepsMost / needed));
-    ancf_table_press(t, time.step, needed);
-    Real left = 0;
-    const int sweeps = ancf_table_rub(t, time.step, &left);
+    const Real pressLeft = ancf_table_press(t, time.step, needed);
+    Real rubLeft = 0;
+    const int sweeps = ancf_table_rub(t, time.step, &rubLeft);
+    const bool pressed = pressLeft <= normalUnsolved, rubbed = rubLeft <= frictionUnsolved;
+    if (!pressed || !rubbed)
+        cable.refuse(text("at iteration ", cable.scene->iter, " the ", pressed ? "friction" : "normal",
+                          " forces of contacts could not be solved, ", pressed ? rubLeft : pressLeft,
+                          " of the largest is left; the stiffest is ", nameOf(cable, stiffest), "; use O.dt < ",
+                          steps * time.step, " s, or masses and stiffnesses that differ less"));
     if (sweeps > 0) ancf_table_couple(t, time.step);
     ancf_table_apply(t, m, time.step, after.data(), shift.data());
     ancf_table_end(t, time.step);
     cable.contactSteps += needed;
     cable.sweeps = std::max(cable.sweeps, sweeps);
-    cable.frictionLeft = std::max(cable.frictionLeft, left);
+    cable.normalLeft = std::max(cable.normalLeft, pressLeft);
+    cable.frictionLeft = std::max(cable.frictionLeft, rubLeft);
 }
 
 string CableContacts::nameOf(const CableEngine& cable, int contact) const {

@@ -173,8 +173,9 @@ int ancf_table_substeps(ancf_table* table, double step, int* stiffest);
 void ancf_table_guess(ancf_table* table, double step);
 
 // The normal forces through a step, in `substeps` (0: gaps alone go on), or as many times more or fewer of what each
-// needs. Couplings are kept in each.
-void ancf_table_press(ancf_table* table, double step, int substeps);
+// needs. Couplings are kept in each. Returns what the forces are off by, as part of the largest of those that feel one
+// another.
+double ancf_table_press(ancf_table* table, double step, int substeps);
 
 // Friction of all contacts that pressed, at the velocity after it. Returns the number of sweeps and Newton's steps;
 // *left is what friction is off by, as part of the largest friction force.
