@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
-from helpers import O, Vector3, ancf, array, ball, hertz, material, plane, squareNet, steps
+from helpers import O, Vector3, ancf, array, ball, hertz, material, plane, runTo, squareNet, steps
 from yade import utils
 
 YOUNG = 4.456e8  # of `material`
@@ -416,6 +416,49 @@ def test_a_rope_dropped_in_coils_lies_on_itself(scene):
     assert curve[:, 2].max() > 2 * r  # it lies on itself
     assert floor < own[0] + 0.02 * r
     assert self_ < own[1] + 0.02 * r
+
+
+def test_a_rope_lies_in_the_groove_between_two(scene):
+    """Dropped along two held ropes, with elements that end elsewhere: touches both all along, at rest."""
+    diameter, length, fall = 4e-3, 0.4, 1e-4
+    r, half = diameter / 2, 0.55 * diameter
+    material("rope", impactDamping=0.2, staticFriction=0.3, kineticFriction=0.2)
+    low = []
+    for y in (-half, half):
+        points = [(x, y, 0) for x in np.linspace(0, length, 9)]
+        low.append(ancf.Cable(points, diameter=diameter, material="rope", mass="lumped"))
+        for knot in range(9):
+            low[-1].fix(knot)
+    z = np.sqrt(diameter**2 - half**2) + fall
+    high = ancf.Cable(
+        [(0, 0, z), (length, 0, z)],
+        elements=9,
+        diameter=diameter,
+        material="rope",
+        mass="lumped",
+        damping=5e-5,
+    )
+    O.engines = ancf.engines(*low, high, gravity=(0, 0, -9.81))
+    O.trackEnergy = True
+    steps(1)
+    energy = sum(O.energy[name] for name in O.energy.keys())
+    runTo(0.06)
+    change = sum(O.energy[name] for name in O.energy.keys()) - energy
+    speed = np.linalg.norm([high.velocity(s) for s in np.linspace(0, 1, 50)], axis=1).max()
+    line = dense(high, 32)
+    gaps = [
+        np.linalg.norm(fromPolyline(line[0], dense(rope, 32).reshape(1, -1, 3)), axis=1) - diameter
+        for rope in low
+    ]
+    weight = high.mass * 9.81
+    deepest = (weight / hertz(r / 2, YOUNG, 0.3, YOUNG, 0.3)) ** (2 / 3)
+    print(
+        f"{O.iter} steps, {high.engine.contacts} contacts, gaps {np.min(gaps):.2e} to {np.max(gaps):.2e} m, Hertz"
+        f" {deepest:.1e}, speed {speed:.1e} m/s, energy {change / (weight * fall):+.1e} of the fall"
+    )
+    assert -deepest < np.min(gaps) and np.max(gaps) < deepest
+    assert speed < 1e-3  # of 0.044 m/s when it arrives
+    assert abs(change) < 0.01 * weight * fall
 
 
 # ---- neighbours ----------------------------------------------------------------------------------
