@@ -347,7 +347,7 @@ namespace {
 
     std::string mismatchText(const std::string& name, long number) {
         return "ancf does not fit this YADE: " + name + " is not " + std::to_string(number) +
-               " as in Debian 12's yade 2023.02a-1";
+               " as in YADE " ANCF_YADE_NAME ", for which it was built";
     }
 
 } // namespace

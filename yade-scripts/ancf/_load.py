@@ -7,10 +7,16 @@ import platform
 import re
 import sys
 
-NEEDED_VERSION = "2023.02a"
+try:
+    from . import _built
+except ImportError:
+    raise ImportError(
+        "ancf: its compiled part is not here; build it by `cmake --preset default && cmake --build "
+        "--preset default`, then run with PYTHONPATH=build/python, or `cmake --install build`"
+    ) from None
+
 NEEDED_BITS = 64
 NEEDED_FEATURES = ("OPENMP", "MPI", "FEMLIKE")  # each changes the layout of YADE's classes
-NEEDED_PYTHON = (3, 11)
 NEEDED_MACHINE = "x86_64"
 
 
@@ -18,7 +24,7 @@ def _folderFromScript(script):
     """The folder that the `yade` script itself puts on sys.path."""
     try:
         with open(script, encoding="utf-8") as f:
-            found = re.search(r"sys\.path\.insert\(1,\s*'([^']+)'", f.read())
+            found = re.search(r"sys\.path\.insert\(\d,\s*'([^']+)'", f.read())
     except OSError:
         return None
     return found and found.group(1)
@@ -34,11 +40,15 @@ def _yadeFolders():
 
 def _require(good, what, found, needed):
     if not good:
-        raise ImportError(f"ancf needs {what} {needed}, found {found}")
+        raise ImportError(
+            f"ancf was built for {what} {needed}, found {found}; run it there, or build it here again: "
+            "cmake --preset default --fresh && cmake --build --preset default"
+        )
 
 
 def _checkPython():
-    _require(sys.version_info[:2] == NEEDED_PYTHON, "Python", platform.python_version(), "3.11")
+    python = ".".join(map(str, sys.version_info[:2]))
+    _require(python == _built.PYTHON, "Python", platform.python_version(), _built.PYTHON)
     _require(
         platform.machine() == NEEDED_MACHINE,
         "a machine of type",
@@ -60,13 +70,13 @@ def _importYade():
         import yade
     except ImportError as e:
         raise ImportError(
-            f"ancf needs YADE {NEEDED_VERSION} (Debian 12: apt install yade): {e}"
+            f"ancf needs YADE {_built.YADE}, which was in {_built.YADE_FOLDER} (Debian: apt install yade): {e}"
         ) from e
     return yade
 
 
 def _checkYade(config):
-    _require(config.version == NEEDED_VERSION, "YADE", config.version, NEEDED_VERSION)
+    _require(config.version == _built.YADE, "YADE", config.version, _built.YADE)
     bits = config.highPrecisionBits
     _require(bits == NEEDED_BITS, "a YADE with highPrecisionBits", bits, NEEDED_BITS)
     for feature in NEEDED_FEATURES:
@@ -96,15 +106,7 @@ def _load():
     omega = wrapper.Omega()
     if omega.running:
         raise ImportError("ancf cannot be loaded while a simulation runs: O.pause() first")
-    try:
-        _ancf = importlib.import_module("._ancf", __package__)
-    except ModuleNotFoundError as error:
-        if error.name != f"{__package__}._ancf":
-            raise
-        raise ImportError(
-            "ancf: its compiled part is not here; build it by `cmake --preset default && cmake --build "
-            "--preset default`, then run with PYTHONPATH=build/python, or `cmake --install build`"
-        ) from None
+    _ancf = importlib.import_module("._ancf", __package__)
     _refreshDispatchers(omega.engines)
     return {name: getattr(wrapper, name) for name in _ancf.classNames}
 

@@ -23,6 +23,11 @@ public:
     Vector3r gravity;
     Real maxVelocitySq; // or a flag for the collider: 2 sort now, 0.5 not needed, 0 nothing watched
     bool exactAsphericalRot;
+#if ANCF_YADE_VERSION >= 202502
+    int rotAlgorithm; // an enumeration there, of this size
+    int normalizeEvery;
+    int niterOmelyan1998;
+#endif
     Matrix3r prevVelGrad;
     Vector3r prevCellSize;
     bool warnNoForceReset;

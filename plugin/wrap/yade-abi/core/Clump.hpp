@@ -10,7 +10,9 @@ class Clump : public Shape {
 public:
     using MemberMap = std::map<Body::id_t, Se3r>; // pose of each member relative to the clump
     MemberMap members;
+#if ANCF_YADE_VERSION < 202502
     vector<Body::id_t> ids;
+#endif
 
     Clump() { createIndex(); }
     void addForceTorqueFromMembers(const State* clumpState, Scene*, Vector3r& force, Vector3r& torque);
