@@ -18,10 +18,6 @@
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 bool ancf_reserve(void** items, int* room, int n, size_t size);
 
-// Upper triangles, row by row, of the integrals of w w^T over an element, w = (a2, b2, c2, 2ab, 2ac, 2bc) of the slope
-// weights (a, b, c): exact, and by 3 Gauss points.
-void ancf_axial_rules(double exact[21], double reduced[21]);
-
 // Weights of an element's four unknowns at xi.
 void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi);
 void ancf_model_mean_weights(double S[4], const ancf_model* m, int element, const double power[3]);

@@ -295,6 +295,8 @@ ANCF_CLONES double ancf_mass_kinetic(const ancf_model* m) {
 
 double ancf_mass_added(const ancf_model* m, int node) { return m->mass->added[node]; }
 
+const double* ancf_mass_inverse(const ancf_model* m) { return m->mass->inverse; }
+
 bool ancf_mass_diagonal(const ancf_model* m) { return m->mass->diagonal; }
 
 ANCF_CLONES static void solve_diagonal(const ancf_model* m, double* acceleration, const double* force) {

@@ -28,6 +28,9 @@ double ancf_mass_kinetic(const ancf_model* m);
 // Mass added at a node [kg].
 double ancf_mass_added(const ancf_model* m, int node);
 
+// Inverse of the diagonal mass of every unknown (stride), 0 where it is held or has none [1/kg and its like].
+const double* ancf_mass_inverse(const ancf_model* m);
+
 // True if the whole matrix is diagonal.
 bool ancf_mass_diagonal(const ancf_model* m);
 

@@ -45,12 +45,21 @@ typedef struct {
     const int* hold;             // (n_nodes + 2 n_elements) ancf_hold of every unknown, NULL: all free
 } ancf_def;
 
-// A run of elements that one kernel computes.
+// A run of elements that are computed together: of one kind, and with every slope of its own but the first and the
+// last.
 typedef struct {
     int begin, end;
     int kind;
     bool bending, damped;
-} ancf_group;
+    bool joined;                 // some slopes go on smoothly from one into the next
+    bool start_moves, end_moves; // its first slope, its last; else they are a seam
+    bool chain;                  // nodes follow one another, and nothing else meets those between its elements
+    int like;                    // tile with equal constants, itself or one before
+} ancf_tile;
+
+typedef struct {
+    int begin, end;
+} ancf_range;
 
 typedef struct ancf_mass ancf_mass;
 
@@ -66,8 +75,12 @@ typedef struct {
     int n_shared, n_held;
     int* shared;  // (n_shared x 2) places of the two copies of a shared slope in a block
     int* is_held; // (n_held) places of what is held
-    int n_groups;
-    ancf_group* group;
+    int n_tiles;
+    ancf_tile* tile;
+    int n_seams;
+    int* seam; // (n_seams x 2) slopes that no tile moves, and the other copy of one that is shared, or -1
+    int n_knots;
+    ancf_range* knots; // nodes that no chain moves
 
     // Elements meeting at a node: end k = 2 e + (0 start, 1 end), for k in at[first[i]] .. at[first[i+1]].
     int* first; // (n_nodes + 1)
@@ -76,7 +89,7 @@ typedef struct {
     // Per element, so that the kernels divide by nothing (n_elements each).
     double *inv_length, *ea_length, *ei_length; // 1/L, EA L/4, EI/L
     double* damping;                            // Kelvin-Voigt time [s]
-    double axial_exact[21], axial_reduced[21];  // upper triangles of the axial rule (elastic.c)
+    double* goes_on;                            // 1 where the slope at the end goes on within the tile, else 0
 
     ancf_mass* mass;
     double* weight; // (n_dof) gravity's force is weight g [kg or kg m]
@@ -90,7 +103,7 @@ typedef struct {
     double* held;     // (3 x stride) new velocity of what is held
     double *f, *a;    // (3 x stride) force and acceleration of the last step
     double* free;     // (3 x stride) mean velocity of the step ahead without friction
-    double* scratch;  // (9 x n_elements) d, its rate, and the force on it
+    double* pull;     // (4 x n_elements) force on an element's end node, x, y, z, 0; the other way on its start node
     double* work;     // (6 x 3 x stride) for RK4, equilibrium, damping
 } ancf_model;
 

@@ -1,0 +1,137 @@
+#include "kernel.h"
+#include "gram.h"
+
+#include <float.h>
+
+// Curvature below which its direction is noise, times L.
+static const double tiny_curvature2 = 1e-18;
+
+// Damping of the fast curvature, by its rate along its own direction at 2 Gauss points (exact for a linear r''), where
+// L r'' = q -+ sqrt(3) k: a rigid rotation turns r'' but has no such rate.
+ANCF_INLINE void damp_fast(double h[ANCF_GRAM], const double G[ANCF_GRAM], const double rate[ANCF_GRAM],
+                           double ei_eta) {
+    const double root3 = 1.7320508075688772;
+    double q[2];
+    for (int p = 0; p < 2; ++p) {
+        const double s = p ? root3 : -root3, kk = G[ANCF_QQ] + 3.0 * G[ANCF_KK] + 2.0 * s * G[ANCF_QK],
+                     kv = 0.5 * (rate[ANCF_QQ] + 3.0 * rate[ANCF_KK]) + s * rate[ANCF_QK];
+        q[p] = 0.25 * ei_eta * kv / ((kk > 0.0 ? kk : 0.0) + tiny_curvature2);
+    }
+    h[ANCF_QQ] += q[0] + q[1];
+    h[ANCF_KK] += 3.0 * (q[0] + q[1]);
+    h[ANCF_QK] += 2.0 * root3 * (q[1] - q[0]);
+}
+
+// EI/2 int kappa^2 ds at 3 Gauss points, with its Kelvin-Voigt term.
+ANCF_INLINE void bend_exact(double h[ANCF_GRAM], const double G[ANCF_GRAM], const double rate[ANCF_GRAM], double ei,
+                            double eta, int damped) {
+    for (int p = 0; p < 3; ++p) {
+        const double t = ancf_gauss3_t[p], a = 0.5 * t, b = 0.25 * (3.0 * t * t - 1.0), s = 3.0 * t;
+        double P, R, Q;
+        ancf_at_place(&P, &R, &Q, G, t);
+        const double inv = 1.0 / P, part = R * inv;
+        double qP = inv * inv * (2.0 * R * part - Q), qR = -2.0 * inv * part, qQ = inv, factor = 0.5;
+        if (damped) {
+            double Pv, Rv, Qv;
+            ancf_at_place(&Pv, &Rv, &Qv, rate, t);
+            const double q = inv * (Q - R * part), along = qP * Pv + qR * Rv + qQ * Qv;
+            factor += 0.25 * eta * along / ((q > 0.0 ? q : 0.0) + tiny_curvature2);
+        }
+        factor *= ancf_gauss3_weight[p] * ei;
+        qP *= factor;
+        qR *= factor;
+        qQ *= factor;
+        h[ANCF_DD] += qP;
+        h[ANCF_QQ] += a * a * qP + a * qR + qQ;
+        h[ANCF_KK] += b * b * qP + s * b * qR + s * s * qQ;
+        h[ANCF_DQ] += 2.0 * a * qP + qR;
+        h[ANCF_DK] += 2.0 * b * qP + s * qR;
+        h[ANCF_QK] += 2.0 * a * b * qP + (s * a + b) * qR + 2.0 * s * qQ;
+    }
+}
+
+enum { STRAIGHT, FAST, EXACT };
+
+ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bending, int damped) {
+    const ancf_fields K = *fields;
+    const ancf_rule rule = *of;
+#pragma GCC ivdep
+    for (int e = 0; e < K.n; ++e) {
+        double d[3], q[3], k[3], G[ANCF_GRAM], at[ANCF_GRAM], rate[ANCF_GRAM] = {0.0}, h[ANCF_GRAM];
+        for (int c = 0; c < 3; ++c) {
+            d[c] = K.d[c][e];
+            q[c] = K.g1[c][e] - K.g0[c][e];
+            k[c] = K.g1[c][e] + K.g0[c][e] - 2.0 * d[c];
+        }
+        ancf_gram(G, d, q, k);
+        for (int i = 0; i < ANCF_GRAM; ++i) at[i] = G[i];
+        if (damped) {
+            double dv[3], qv[3], kv[3];
+            for (int c = 0; c < 3; ++c) {
+                dv[c] = K.dv[c][e];
+                qv[c] = K.g1v[c][e] - K.g0v[c][e];
+                kv[c] = K.g1v[c][e] + K.g0v[c][e] - 2.0 * dv[c];
+            }
+            ancf_gram_rate(rate, d, q, k, dv, qv, kv);
+            for (int i = 0; i < ANCF_GRAM; ++i) at[i] += K.eta[e] * rate[i];
+        }
+        ancf_axial(h, at, &rule, K.ea[e]);
+        if (bending == FAST) {
+            h[ANCF_QQ] += 0.5 * K.ei[e];
+            h[ANCF_KK] += 1.5 * K.ei[e];
+            if (damped) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
+        }
+        if (bending == EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped);
+        for (int c = 0; c < 3; ++c) {
+            const double on_d = 2.0 * h[ANCF_DD] * d[c] + h[ANCF_DQ] * q[c] + h[ANCF_DK] * k[c],
+                         on_q = 2.0 * h[ANCF_QQ] * q[c] + h[ANCF_DQ] * d[c] + h[ANCF_QK] * k[c],
+                         on_k = 2.0 * h[ANCF_KK] * k[c] + h[ANCF_DK] * d[c] + h[ANCF_QK] * q[c];
+            K.f0[c][e] = on_q - on_k;
+            K.f1[c][e] = -(on_q + on_k);
+            K.fd[c][e] = K.inv_length[e] * (2.0 * on_k - on_d);
+        }
+    }
+}
+
+// One function per combination that a scene can have, so that none computes what it does not need.
+#define ANCF_BEAM_KERNEL(name, bending, damped)                                                                        \
+    ANCF_CLONES static void name(const ancf_fields* fields, const ancf_rule* rule) {                                   \
+        beam(fields, rule, bending, damped);                                                                           \
+    }
+ANCF_BEAM_KERNEL(beam_straight, STRAIGHT, 0)
+ANCF_BEAM_KERNEL(beam_straight_damped, STRAIGHT, 1)
+ANCF_BEAM_KERNEL(beam_fast, FAST, 0)
+ANCF_BEAM_KERNEL(beam_fast_damped, FAST, 1)
+ANCF_BEAM_KERNEL(beam_exact, EXACT, 0)
+ANCF_BEAM_KERNEL(beam_exact_damped, EXACT, 1)
+
+// Tension-only spring and damper, k = EA/dl (Eq. 1), engineering strain |d| - 1.
+ANCF_CLONES static void spring(const ancf_fields* fields) {
+    const ancf_fields K = *fields;
+#pragma GCC ivdep
+    for (int e = 0; e < K.n; ++e) {
+        const double d[3] = {K.d[0][e], K.d[1][e], K.d[2][e]};
+        const double dv[3] = {K.dv[0][e], K.dv[1][e], K.dv[2][e]};
+        const double stretch = sqrt(ancf_inner(d, d)), taut = stretch > 1.0 ? 1.0 : 0.0;
+        const double inv = 1.0 / (stretch + DBL_MIN);
+        const double ea = 4.0 * K.ea[e] * K.inv_length[e];
+        const double tension = ea * (stretch - 1.0 + K.eta[e] * ancf_inner(d, dv) * inv);
+        const double pull = -taut * inv * (tension > 0.0 ? tension : 0.0);
+        for (int c = 0; c < 3; ++c) {
+            K.f0[c][e] = 0.0;
+            K.f1[c][e] = 0.0;
+            K.fd[c][e] = pull * d[c];
+        }
+    }
+}
+
+void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped) {
+    if (kind & ANCF_SPRING) {
+        spring(fields);
+        return;
+    }
+    static void (*const beams[3][2])(const ancf_fields*, const ancf_rule*) = {
+        {beam_straight, beam_straight_damped}, {beam_fast, beam_fast_damped}, {beam_exact, beam_exact_damped}};
+    const ancf_rule rule = ancf_rule_of(kind);
+    beams[!bending ? STRAIGHT : kind & ANCF_CURVATURE_EXACT ? EXACT : FAST][damped](fields, &rule);
+}
