@@ -1,6 +1,7 @@
 #include "ancf/step.h"
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
+#include "held.h"
 #include "internal.h"
 
 #include <string.h>
@@ -16,7 +17,7 @@ ANCF_CLONES static void add_scaled(double* sum, const double* a, double factor, 
 static void total_force(ancf_model* m, const double* x, const double* v) {
     ancf_elastic_force(m, m->f, x, v);
     if (m->track) memcpy(m->work + 6 * m->stride, m->f, field_size(m)); // for note_damping
-    add_scaled(m->f, m->f, 1.0, m->external, 3 * m->stride);
+    if (!m->unloaded) add_scaled(m->f, m->f, 1.0, m->external, 3 * m->stride);
     ancf_model_join(m, m->f);
     for (int c = 0; c < 3; ++c) // joined already
         if (m->gravity[c] != 0.0)
@@ -28,31 +29,13 @@ void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
     ancf_mass_solve(m, m->a, m->f);
 }
 
-// Acceleration that brings what is held to its given velocity within a kick.
-static void accelerate_held(ancf_model* m, double kick) {
-    for (int k = 0; k < m->n_held; ++k)
-        for (int c = 0; c < 3; ++c) {
-            const int j = c * m->stride + m->is_held[k];
-            m->a[j] = (m->held[j] - m->v[j]) / kick;
-        }
-}
-
-// Velocities of what is held, exactly.
-static void set_held(const ancf_model* m, double* v) {
-    for (int k = 0; k < m->n_held; ++k)
-        for (int c = 0; c < 3; ++c) {
-            const int j = c * m->stride + m->is_held[k];
-            v[j] = m->held[j];
-        }
-}
-
 void ancf_predict(ancf_model* m, const ancf_time* time) {
     const double kick = ancf_kick(time);
-    accelerate_held(m, kick);
+    ancf_held_accelerate(m, kick);
     total_force(m, m->x, m->v);
     ancf_mass_solve(m, m->a, m->f);
     add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
-    set_held(m, m->free);
+    ancf_held_set(m, m->free);
 }
 
 // What the Kelvin-Voigt forces take out in a kick, to the last bit of the scheme: their work on the mean velocity. The
@@ -95,7 +78,7 @@ void ancf_rk4(ancf_model* m, double step) {
     memcpy(x0, m->x, field_size(m));
     memcpy(v0, m->v, field_size(m));
     memset(dx, 0, 2 * field_size(m));
-    accelerate_held(m, step);
+    ancf_held_accelerate(m, step);
     m->track = false; // its work is not counted, and m->work is taken
     for (int s = 0; s < 4; ++s) {
         // v and m->a hold the rates of the stage before.

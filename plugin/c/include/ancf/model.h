@@ -63,7 +63,7 @@ typedef struct {
 
 typedef struct ancf_mass ancf_mass;
 
-// To be read, not written, outside plugin/c, except x, v, held, external and gravity.
+// To be read, not written, outside plugin/c, except x, v, held, external, gravity and unloaded.
 typedef struct {
     int n_nodes, n_elements;
     int n_dof;  // n_nodes + 2 n_elements
@@ -94,6 +94,7 @@ typedef struct {
     ancf_mass* mass;
     double* weight; // (n_dof) gravity's force is weight g [kg or kg m]
     double gravity[3];
+    bool unloaded;       // external is zero, and is not read
     bool track;          // damping_work is wanted
     double damping_work; // taken out by Kelvin-Voigt forces so far [J]
     double damping_half; // of that, before the positions that the last step started from [J]
