@@ -12,15 +12,14 @@ static bool any_damped(const ancf_model* m) {
 }
 
 void ancf_elastic_force(ancf_model* m, double* force, const double* x, const double* v) {
-    double d[3][ANCF_TILE], dv[3][ANCF_TILE], on[3][ANCF_TILE];
+    double way[3][ANCF_TILE], wayv[3][ANCF_TILE];
     for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
-        ancf_fields k = ancf_tile_fields(m, t, x, v, d, dv, on);
+        ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
         for (int c = 0; c < 3; ++c) {
             k.f0[c] = force + c * m->stride + m->n_nodes + t->begin;
             k.f1[c] = k.f0[c] + m->n_elements;
         }
         ancf_kernel(&k, t->kind, t->bending, t->damped);
-        ancf_tile_keep(m, t, on, false);
     }
     ancf_tile_gather(force, m, 0, m->n_nodes);
 }

@@ -50,7 +50,7 @@ static double imbalance(const ancf_model* m, const double* mass) {
             largest = fmax(largest, fabs(load) / unit_length(m, i));
         }
     }
-    for (int k = 0; k < 4 * m->n_elements; ++k) largest = fmax(largest, fabs(m->pull[k]));
+    for (int k = 0; k < 3 * m->n_elements; ++k) largest = fmax(largest, fabs(m->pull[k]));
     return largest > 0.0 ? residual / largest : 0.0;
 }
 

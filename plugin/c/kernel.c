@@ -59,7 +59,7 @@ ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bendin
     for (int e = 0; e < K.n; ++e) {
         double d[3], q[3], k[3], G[ANCF_GRAM], at[ANCF_GRAM], rate[ANCF_GRAM] = {0.0}, h[ANCF_GRAM];
         for (int c = 0; c < 3; ++c) {
-            d[c] = K.d[c][e];
+            d[c] = K.way[c][e] * K.inv_length[e];
             q[c] = K.g1[c][e] - K.g0[c][e];
             k[c] = K.g1[c][e] + K.g0[c][e] - 2.0 * d[c];
         }
@@ -68,7 +68,7 @@ ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bendin
         if (damped) {
             double dv[3], qv[3], kv[3];
             for (int c = 0; c < 3; ++c) {
-                dv[c] = K.dv[c][e];
+                dv[c] = K.wayv[c][e] * K.inv_length[e];
                 qv[c] = K.g1v[c][e] - K.g0v[c][e];
                 kv[c] = K.g1v[c][e] + K.g0v[c][e] - 2.0 * dv[c];
             }
@@ -86,9 +86,9 @@ ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bendin
             const double on_d = 2.0 * h[ANCF_DD] * d[c] + h[ANCF_DQ] * q[c] + h[ANCF_DK] * k[c],
                          on_q = 2.0 * h[ANCF_QQ] * q[c] + h[ANCF_DQ] * d[c] + h[ANCF_QK] * k[c],
                          on_k = 2.0 * h[ANCF_KK] * k[c] + h[ANCF_DK] * d[c] + h[ANCF_QK] * q[c];
+            K.fd[c][e] = K.inv_length[e] * (2.0 * on_k - on_d);
             K.f0[c][e] = on_q - on_k;
             K.f1[c][e] = -(on_q + on_k);
-            K.fd[c][e] = K.inv_length[e] * (2.0 * on_k - on_d);
         }
     }
 }
@@ -98,20 +98,23 @@ ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bendin
     ANCF_CLONES static void name(const ancf_fields* fields, const ancf_rule* rule) {                                   \
         beam(fields, rule, bending, damped);                                                                           \
     }
-ANCF_BEAM_KERNEL(beam_straight, STRAIGHT, 0)
-ANCF_BEAM_KERNEL(beam_straight_damped, STRAIGHT, 1)
-ANCF_BEAM_KERNEL(beam_fast, FAST, 0)
-ANCF_BEAM_KERNEL(beam_fast_damped, FAST, 1)
-ANCF_BEAM_KERNEL(beam_exact, EXACT, 0)
-ANCF_BEAM_KERNEL(beam_exact_damped, EXACT, 1)
+ANCF_BEAM_KERNEL(straight, STRAIGHT, 0)
+ANCF_BEAM_KERNEL(straight_damped, STRAIGHT, 1)
+ANCF_BEAM_KERNEL(fast, FAST, 0)
+ANCF_BEAM_KERNEL(fast_damped, FAST, 1)
+ANCF_BEAM_KERNEL(exact, EXACT, 0)
+ANCF_BEAM_KERNEL(exact_damped, EXACT, 1)
 
 // Tension-only spring and damper, k = EA/dl (Eq. 1), engineering strain |d| - 1.
 ANCF_CLONES static void spring(const ancf_fields* fields) {
     const ancf_fields K = *fields;
 #pragma GCC ivdep
     for (int e = 0; e < K.n; ++e) {
-        const double d[3] = {K.d[0][e], K.d[1][e], K.d[2][e]};
-        const double dv[3] = {K.dv[0][e], K.dv[1][e], K.dv[2][e]};
+        double d[3], dv[3];
+        for (int c = 0; c < 3; ++c) {
+            d[c] = K.way[c][e] * K.inv_length[e];
+            dv[c] = K.wayv[c][e] * K.inv_length[e];
+        }
         const double stretch = sqrt(ancf_inner(d, d)), taut = stretch > 1.0 ? 1.0 : 0.0;
         const double inv = 1.0 / (stretch + DBL_MIN);
         const double ea = 4.0 * K.ea[e] * K.inv_length[e];
@@ -131,7 +134,7 @@ void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped)
         return;
     }
     static void (*const beams[3][2])(const ancf_fields*, const ancf_rule*) = {
-        {beam_straight, beam_straight_damped}, {beam_fast, beam_fast_damped}, {beam_exact, beam_exact_damped}};
+        {straight, straight_damped}, {fast, fast_damped}, {exact, exact_damped}};
     const ancf_rule rule = ancf_rule_of(kind);
     beams[!bending ? STRAIGHT : kind & ANCF_CURVATURE_EXACT ? EXACT : FAST][damped](fields, &rule);
 }

@@ -6,10 +6,10 @@
 
 // Components of what a kernel reads and writes, each (n). Rates are read by damped kernels and springs alone.
 typedef struct {
-    const double *d[3], *g0[3], *g1[3];    // (r1 - r0)/L and the end slopes
-    const double *dv[3], *g0v[3], *g1v[3]; // their rates
-    double *f0[3], *f1[3];                 // forces on the end slopes
-    double* fd[3];                         // force on the end node, and the other way on the start node
+    const double *way[3], *g0[3], *g1[3];    // r1 - r0 and the end slopes
+    const double *wayv[3], *g0v[3], *g1v[3]; // their rates
+    double *f0[3], *f1[3];                   // forces on the end slopes
+    double* fd[3];                           // force on the end node, and the other way on the start node
     const double *inv_length, *ea, *ei, *eta;
     int n;
 } ancf_fields;

@@ -76,18 +76,20 @@ static bool allocate(ancf_model* m) {
     m->hold = calloc((size_t)m->stride, sizeof *m->hold);
     m->shared = calloc(2 * e, sizeof *m->shared);
     m->is_held = calloc((size_t)m->stride, sizeof *m->is_held);
-    m->tile = calloc(e, sizeof *m->tile);
-    m->seam = calloc(4 * e, sizeof *m->seam);
+    m->tile = calloc(e + 1, sizeof *m->tile);
+    m->seam = calloc(2 * e, sizeof *m->seam);
     m->knots = calloc(n, sizeof *m->knots);
     m->first = calloc(n + 1, sizeof *m->first);
     m->at = calloc(2 * e, sizeof *m->at);
+    m->sign = calloc(2 * e, sizeof *m->sign);
     m->inv_length = calloc(5 * e, sizeof *m->inv_length);
     m->weight = calloc((size_t)m->stride, sizeof *m->weight);
     m->external = calloc(5 * field, sizeof *m->external);
-    m->pull = calloc(4 * e, sizeof *m->pull);
+    m->pull = calloc(3 * e, sizeof *m->pull);
     m->work = calloc(6 * field, sizeof *m->work);
     if (!m->element || !m->ends || !m->next || !m->hold || !m->shared || !m->is_held || !m->tile || !m->seam ||
-        !m->knots || !m->first || !m->at || !m->inv_length || !m->weight || !m->external || !m->pull || !m->work)
+        !m->knots || !m->first || !m->at || !m->sign || !m->inv_length || !m->weight || !m->external || !m->pull ||
+        !m->work)
         return false;
     m->ea_length = m->inv_length + e;
     m->ei_length = m->ea_length + e;
@@ -136,6 +138,7 @@ static void find_ends(ancf_model* m) {
     for (int k = 0; k < 2 * m->n_elements; ++k) m->at[fill[m->ends[k]]++] = k;
     for (int i = m->n_nodes; i > 0; --i) m->first[i] = m->first[i - 1];
     m->first[0] = 0;
+    for (int k = 0; k < 2 * m->n_elements; ++k) m->sign[k] = m->at[k] & 1 ? 1.0 : -1.0;
 }
 
 // Gravity acts on the true curve, so that a cable sags the same however its mass is lumped.
@@ -207,6 +210,7 @@ void ancf_model_destroy(ancf_model* m) {
     free(m->knots);
     free(m->first);
     free(m->at);
+    free(m->sign);
     free(m->inv_length);
     free(m->weight);
     free(m->external);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHAIN_LEAST = 16, KNOTS = 512 }; // elements of a chain, nodes of a range at most
+enum { CHAIN_LEAST = 16, KNOTS = 64 }; // elements of a chain, nodes of a range at most
 
 static int start_of(const ancf_model* m, int e) { return m->n_nodes + e; }
 
@@ -63,7 +63,7 @@ static void divide(ancf_model* m, const int* before, const int* ahead) {
                                   ahead[e] >= CHAIN_LEAST || (e > 0 && t > m->tile && t[-1].chain && follows(m, e))};
         } else if (before[e] == e - 1) {
             m->goes_on[e - 1] = 1.0;
-            t->joined = true;
+            ++t->joined;
         }
         t->end = e + 1;
     }
@@ -74,124 +74,150 @@ static void divide(ancf_model* m, const int* before, const int* ahead) {
 }
 
 // Slopes at the ends of tiles that are shared or held; both copies of one that is shared at once.
-static void list_seams(ancf_model* m, const int* before) {
-    for (ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
+static void list_seams(ancf_model* m, const int* before, const int* tile_of) {
+    for (int k = 0; k < m->n_tiles; ++k) {
+        ancf_tile* t = &m->tile[k];
         const int end = end_of(m, t->end - 1), next = m->next[t->end - 1], start = start_of(m, t->begin);
         t->start_moves = before[t->begin] < 0 && !m->hold[start];
         t->end_moves = next < 0 && !m->hold[end];
-        if (!t->end_moves) {
-            m->seam[2 * m->n_seams] = end;
-            m->seam[2 * m->n_seams++ + 1] = next >= 0 ? start_of(m, next) : -1;
+        if (next >= 0) {
+            const int other = tile_of[next];
+            m->seam[m->n_seams++] =
+                (ancf_seam) {{end, start_of(m, next)}, .first = k < other ? k : other, .last = k > other ? k : other};
+        } else if (!t->end_moves) {
+            m->seam[m->n_seams++] = (ancf_seam) {{end, -1}, k, k};
         }
-        if (before[t->begin] < 0 && m->hold[start]) {
-            m->seam[2 * m->n_seams] = start;
-            m->seam[2 * m->n_seams++ + 1] = -1;
-        }
+        if (before[t->begin] < 0 && !t->start_moves) m->seam[m->n_seams++] = (ancf_seam) {{start, -1}, k, k};
     }
 }
 
-static void list_knots(ancf_model* m, const bool* in_chain) {
-    ancf_range* last = NULL;
+// Adds a node to the last range, or to a new one.
+static ancf_knots* add_knot(ancf_model* m, int node) {
+    ancf_knots* last = &m->knots[m->n_knots - 1];
+    if (m->n_knots == 0 || last->end != node || node - last->begin == KNOTS) {
+        last = &m->knots[m->n_knots++];
+        *last = (ancf_knots) {.begin = node, .first = m->n_tiles - 1};
+    }
+    last->end = node + 1;
+    return last;
+}
+
+static void list_knots(ancf_model* m, const int* tile_of) {
     for (int i = 0; i < m->n_nodes; ++i) {
-        if (in_chain[i]) continue;
-        if (!last || last->end != i || i - last->begin == KNOTS) {
-            last = &m->knots[m->n_knots++];
-            last->begin = i;
+        const int* at = m->at + m->first[i];
+        const int n = m->first[i + 1] - m->first[i], tile = n ? tile_of[*at >> 1] : 0;
+        if (n == 2 && m->tile[tile].chain && tile_of[at[1] >> 1] == tile) continue; // the chain's own
+        ancf_knots* k = add_knot(m, i);
+        for (int j = 0; j < n; ++j) {
+            const int of = tile_of[at[j] >> 1];
+            if (of < k->first) k->first = of;
+            if (of > k->last) k->last = of;
         }
-        last->end = i + 1;
     }
 }
 
-static void make(ancf_model* m, int* before, int* ahead, bool* in_chain) {
-    for (int e = 0; e < m->n_elements; ++e) before[e] = -1;
-    for (int e = 0; e < m->n_elements; ++e)
-        if (m->next[e] >= 0) before[m->next[e]] = e;
-    for (int e = m->n_elements - 1; e >= 0; --e)
-        ahead[e] = 1 + (e + 1 < m->n_elements && follows(m, e + 1) ? ahead[e + 1] : 0);
-    divide(m, before, ahead);
-    list_seams(m, before);
-    for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t)
-        for (int e = t->begin + 1; e < t->end && t->chain; ++e) in_chain[m->ends[2 * e]] = true;
-    list_knots(m, in_chain);
+static int by_last_seam(const void* a, const void* b) {
+    const ancf_seam *p = a, *q = b;
+    return p->last != q->last ? p->last - q->last : p->place[0] - q->place[0];
+}
+
+static int by_last_knots(const void* a, const void* b) {
+    const ancf_knots *p = a, *q = b;
+    return p->last != q->last ? p->last - q->last : p->begin - q->begin;
+}
+
+// Sorts them by the tile that they wait for; one tile more tells where the lists end.
+static void sort(ancf_model* m) {
+    qsort(m->seam, (size_t)m->n_seams, sizeof *m->seam, by_last_seam);
+    qsort(m->knots, (size_t)m->n_knots, sizeof *m->knots, by_last_knots);
+    int seam = 0, knots = 0;
+    for (int t = 0; t <= m->n_tiles; ++t) {
+        while (seam < m->n_seams && m->seam[seam].last < t) ++seam;
+        while (knots < m->n_knots && m->knots[knots].last < t) ++knots;
+        m->tile[t].seam = seam;
+        m->tile[t].knots = knots;
+    }
 }
 
 bool ancf_tiles_make(ancf_model* m) {
-    const size_t n = (size_t)m->n_elements;
-    int *before = malloc(n * sizeof *before), *ahead = malloc(n * sizeof *ahead);
-    bool* in_chain = calloc((size_t)m->n_nodes, sizeof *in_chain);
-    const bool enough = before && ahead && in_chain;
-    if (enough) make(m, before, ahead, in_chain);
+    const int n = m->n_elements;
+    int *before = malloc(3 * (size_t)n * sizeof *before), *ahead = before + n, *tile_of = ahead + n;
+    if (!before) return false;
+    for (int e = 0; e < n; ++e) before[e] = -1;
+    for (int e = 0; e < n; ++e)
+        if (m->next[e] >= 0) before[m->next[e]] = e;
+    for (int e = n - 1; e >= 0; --e) ahead[e] = 1 + (e + 1 < n && follows(m, e + 1) ? ahead[e + 1] : 0);
+    divide(m, before, ahead);
+    for (int t = 0; t < m->n_tiles; ++t)
+        for (int e = m->tile[t].begin; e < m->tile[t].end; ++e) tile_of[e] = t;
+    list_seams(m, before, tile_of);
+    list_knots(m, tile_of);
+    sort(m);
     free(before);
-    free(ahead);
-    free(in_chain);
-    return enough;
+    return true;
 }
 
-ANCF_CLONES static void chain_chords(double* restrict chord, const double* restrict node,
-                                     const double* restrict inv_length, int n) {
-    for (int e = 0; e < n; ++e) chord[e] = (node[e + 1] - node[e]) * inv_length[e];
-}
-
-// (r1 - r0)/L of a tile's elements, or its rate.
-static void chords(double chord[3][ANCF_TILE], const ancf_model* m, const ancf_tile* t, const double* field) {
+// r1 - r0 of a tile's elements, or its rate.
+ANCF_CLONES static void find_ways(double way[3][ANCF_TILE], const ancf_model* m, const ancf_tile* t,
+                                  const double* field) {
     const int n = t->end - t->begin, *ends = m->ends + 2 * t->begin;
-    const double* inv_length = m->inv_length + m->tile[t->like].begin;
-    for (int c = 0; c < 3; ++c) {
-        const double* u = field + c * m->stride;
-        if (t->chain) chain_chords(chord[c], u + ends[0], inv_length, n);
-        for (int e = 0; e < n && !t->chain; ++e) chord[c][e] = (u[ends[2 * e + 1]] - u[ends[2 * e]]) * inv_length[e];
+    const double *x = field, *y = x + m->stride, *z = y + m->stride;
+    if (t->chain) {
+        x += ends[0];
+        y += ends[0];
+        z += ends[0];
+        for (int e = 0; e < n; ++e) {
+            way[0][e] = x[e + 1] - x[e];
+            way[1][e] = y[e + 1] - y[e];
+            way[2][e] = z[e + 1] - z[e];
+        }
+        return;
+    }
+    for (int e = 0; e < n; ++e) {
+        const int i = ends[2 * e], j = ends[2 * e + 1];
+        way[0][e] = x[j] - x[i];
+        way[1][e] = y[j] - y[i];
+        way[2][e] = z[j] - z[i];
     }
 }
 
 ancf_fields ancf_tile_fields(const ancf_model* m, const ancf_tile* t, const double* x, const double* v,
-                             double d[3][ANCF_TILE], double dv[3][ANCF_TILE], double on[3][ANCF_TILE]) {
+                             double way[3][ANCF_TILE], double wayv[3][ANCF_TILE]) {
     const int like = m->tile[t->like].begin;
     ancf_fields k = {.inv_length = m->inv_length + like,
                      .ea = m->ea_length + like,
                      .ei = m->ei_length + like,
                      .eta = m->damping + like,
                      .n = t->end - t->begin};
-    chords(d, m, t, x);
-    if (t->damped || t->kind & ANCF_SPRING) chords(dv, m, t, v);
+    find_ways(way, m, t, x);
+    if (t->damped || t->kind & ANCF_SPRING) find_ways(wayv, m, t, v);
     for (int c = 0; c < 3; ++c) {
         const int start = c * m->stride + m->n_nodes + t->begin, end = start + m->n_elements;
         k.g0[c] = x + start;
         k.g1[c] = x + end;
         k.g0v[c] = v + start;
         k.g1v[c] = v + end;
-        k.d[c] = d[c];
-        k.dv[c] = dv[c];
-        k.fd[c] = on[c];
+        k.way[c] = way[c];
+        k.wayv[c] = wayv[c];
+        k.fd[c] = m->pull + c * m->n_elements + t->begin;
     }
     return k;
 }
 
-ANCF_CLONES static void interleave(double* restrict pull, double on[3][ANCF_TILE], int n) {
-    for (int e = 0; e < n; ++e) {
-        pull[4 * e] = on[0][e];
-        pull[4 * e + 1] = on[1][e];
-        pull[4 * e + 2] = on[2][e];
-        pull[4 * e + 3] = 0.0;
-    }
-}
-
-void ancf_tile_keep(const ancf_model* m, const ancf_tile* t, double on[3][ANCF_TILE], bool ends) {
-    const int n = t->end - t->begin;
-    double* pull = m->pull + 4 * t->begin;
-    if (t->chain && ends)
-        for (int e = 0; e<n; e += n> 1 ? n - 1 : 1)
-            for (int c = 0; c < 3; ++c) pull[4 * e + c] = on[c][e];
-    else interleave(pull, on, n);
-}
-
-ANCF_CLONES void ancf_tile_gather(double* force, const ancf_model* m, int begin, int end) {
+ANCF_CLONES void ancf_tile_gather(double* restrict force, const ancf_model* m, int begin, int end) {
     const int *at = m->at, *first = m->first;
+    const double *pull_x = m->pull, *pull_y = pull_x + m->n_elements, *pull_z = pull_y + m->n_elements, *sign = m->sign;
+    double *x = force, *y = x + m->stride, *z = y + m->stride;
     for (int i = begin; i < end; ++i) {
-        double sum[4] = {0.0, 0.0, 0.0, 0.0};
+        double sum_x = 0.0, sum_y = 0.0, sum_z = 0.0;
         for (int k = first[i]; k < first[i + 1]; ++k) {
-            const double *pull = m->pull + 4 * (at[k] >> 1), sign = at[k] & 1 ? 1.0 : -1.0;
-            for (int c = 0; c < 4; ++c) sum[c] += sign * pull[c];
+            const int e = at[k] >> 1;
+            sum_x += sign[k] * pull_x[e];
+            sum_y += sign[k] * pull_y[e];
+            sum_z += sign[k] * pull_z[e];
         }
-        for (int c = 0; c < 3; ++c) force[c * m->stride + i] = sum[c];
+        x[i] = sum_x;
+        y[i] = sum_y;
+        z[i] = sum_z;
     }
 }

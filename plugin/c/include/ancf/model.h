@@ -51,15 +51,23 @@ typedef struct {
     int begin, end;
     int kind;
     bool bending, damped;
-    bool joined;                 // some slopes go on smoothly from one into the next
-    bool start_moves, end_moves; // its first slope, its last; else they are a seam
+    int joined;                  // number of slopes that go on smoothly from one into the next
+    bool start_moves, end_moves; // its first slope, its last; else they belong to a seam
     bool chain;                  // nodes follow one another, and nothing else meets those between its elements
     int like;                    // tile with equal constants, itself or one before
+    int seam, knots;             // numbers of the first whose last tile this is
 } ancf_tile;
 
+// What tiles do not move on their own, and the first and last tile that it takes.
 typedef struct {
-    int begin, end;
-} ancf_range;
+    int place[2]; // of a slope, and of the other copy of one that is shared, or -1
+    int first, last;
+} ancf_seam;
+
+typedef struct {
+    int begin, end; // nodes
+    int first, last;
+} ancf_knots;
 
 typedef struct ancf_mass ancf_mass;
 
@@ -77,14 +85,14 @@ typedef struct {
     int* is_held; // (n_held) places of what is held
     int n_tiles;
     ancf_tile* tile;
-    int n_seams;
-    int* seam; // (n_seams x 2) slopes that no tile moves, and the other copy of one that is shared, or -1
-    int n_knots;
-    ancf_range* knots; // nodes that no chain moves
+    int n_seams, n_knots;
+    ancf_seam* seam;   // (n_seams), sorted by last
+    ancf_knots* knots; // (n_knots), sorted by last
 
     // Elements meeting at a node: end k = 2 e + (0 start, 1 end), for k in at[first[i]] .. at[first[i+1]].
-    int* first; // (n_nodes + 1)
-    int* at;    // (2 n_elements)
+    int* first;   // (n_nodes + 1)
+    int* at;      // (2 n_elements)
+    double* sign; // (2 n_elements) 1 where an element ends, -1 where it starts
 
     // Per element, so that the kernels divide by nothing (n_elements each).
     double *inv_length, *ea_length, *ei_length; // 1/L, EA L/4, EI/L
@@ -104,7 +112,7 @@ typedef struct {
     double* held;     // (3 x stride) new velocity of what is held
     double *f, *a;    // (3 x stride) force and acceleration of the last step
     double* free;     // (3 x stride) mean velocity of the step ahead without friction
-    double* pull;     // (4 x n_elements) force on an element's end node, x, y, z, 0; the other way on its start node
+    double* pull;     // (3 x n_elements) forces of the elements on their end nodes; on start nodes the other way [N]
     double* work;     // (6 x 3 x stride) for RK4, equilibrium, damping
 } ancf_model;
 

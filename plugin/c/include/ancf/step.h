@@ -23,7 +23,8 @@ void ancf_predict(ancf_model* m, const ancf_time* time);
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift);
 
 // Both phases where nothing comes between them, to the last bit: faster, as all is done in one pass where the mass is
-// diagonal. Of m->f and m->a it leaves what acts on nodes that are held or have added mass, and on slopes that are held.
+// diagonal. Of m->f and m->a it leaves what acts on nodes that are held or have added mass, and on slopes that are
+// held.
 void ancf_advance(ancf_model* m, const ancf_time* time);
 
 // One step of the classical Runge-Kutta scheme, m->external constant.
