@@ -116,10 +116,11 @@ ANCF_CLONES static void move_between(ancf_model* m, const ancf_tile* t, forces* 
         double *x = m->x + block, *v = m->v + block;
         const double *external = m->external + block, *flex = inverse + like, *weight = m->weight + like;
         const double kick = by->kick, step = by->step, g = by->gravity[c];
-        for (int e = 0; e + 1 < n && !m->unloaded; ++e) f->node[e] = on[e] - on[e + 1] + external[e];
+        for (int e = 0; e + 1 < n; ++e) f->node[e] = on[e] - on[e + 1];
+        if (!m->unloaded) add(f->node, external, n - 1);
 #pragma GCC ivdep
         for (int e = 0; e < n - 1; ++e) {
-            const double force = m->unloaded ? on[e] - on[e + 1] : f->node[e], a = flex[e] * (force + g * weight[e]);
+            const double a = flex[e] * (f->node[e] + g * weight[e]);
             v[e] = v[e] + kick * a;
             x[e] = x[e] + step * v[e];
         }
@@ -207,19 +208,35 @@ static void pass(ancf_model* m, const mover* by, int thread, int threads) {
     for (int t = begin; t < end; ++t) finish(m, by, t, begin, true);
 }
 
+// Everything at once, from m->a.
+ANCF_CLONES static void move_whole(ancf_model* m, const mover* by) {
+    double* restrict x = m->x, * restrict v = m->v;
+    const double* restrict a = m->a;
+    const double kick = by->kick, step = by->step;
+    for (int i = 0; i < 3 * m->stride; ++i) {
+        v[i] = v[i] + kick * a[i];
+        x[i] = x[i] + step * v[i];
+    }
+}
+
 void ancf_advance(ancf_model* m, const ancf_time* time) {
     const mover by = {
         .kick = ancf_kick(time), .step = time->step, .gravity = {m->gravity[0], m->gravity[1], m->gravity[2]}};
-    if (!ancf_mass_diagonal(m) || m->track) {
+    if (m->track) {
         ancf_predict(m, time);
         ancf_correct(m, time, m->free, NULL);
         return;
     }
     ancf_held_accelerate(m, by.kick);
     ancf_held_keep(m);
-    if (m->n_elements < THREADED_FROM) pass(m, &by, 0, 1);
-    else
+    if (!ancf_mass_diagonal(m)) {
+        ancf_acceleration(m, m->x, m->v);
+        move_whole(m, &by);
+    } else if (m->n_elements < THREADED_FROM) {
+        pass(m, &by, 0, 1);
+    } else {
 #pragma omp parallel
         pass(m, &by, omp_get_thread_num(), omp_get_num_threads());
+    }
     ancf_held_move(m, by.step);
 }
