@@ -177,7 +177,7 @@ ANCF_CLONES static void move_knots(ancf_model* m, const ancf_knots* r, const mov
     move_places(m, by, r->begin, r->end);
 }
 
-static void move_seam(ancf_model* m, const ancf_seam* s, const mover* by) {
+ANCF_CLONES static void move_seam(ancf_model* m, const ancf_seam* s, const mover* by) {
     const int* place = s->place;
     for (int c = 0; c < 3 && place[1] >= 0; ++c) {
         double *f = m->f + c * m->stride, sum = f[place[0]] + f[place[1]];

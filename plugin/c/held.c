@@ -24,7 +24,7 @@ void ancf_held_keep(ancf_model* m) {
         }
 }
 
-void ancf_held_move(ancf_model* m, double step) {
+ANCF_CLONES void ancf_held_move(ancf_model* m, double step) {
     ancf_held_set(m, m->v);
     for (int k = 0; k < m->n_held; ++k)
         for (int c = 0; c < 3; ++c) {
