@@ -5,9 +5,9 @@
 
 #include <math.h>
 
-static bool any_damped(const ancf_model* m) {
+bool ancf_elastic_damped(const ancf_model* m) {
     for (int t = 0; t < m->n_tiles; ++t)
-        if (m->tile[t].damped || m->tile[t].kind & ANCF_SPRING) return true;
+        if (m->tile[t].damped) return true;
     return false;
 }
 
@@ -36,44 +36,27 @@ static void element_vectors(double g0[3], double d[3], double g1[3], const ancf_
     }
 }
 
-static double spring_energy(const ancf_element* el, const double d[3]) {
-    const double strain = sqrt(ancf_inner(d, d)) - 1.0;
-    return strain > 0.0 ? 0.5 * el->ea * el->length * strain * strain : 0.0;
-}
-
-static double bending_energy(const ancf_model* m, int e, const double G[ANCF_GRAM]) {
-    if (!(m->element[e].kind & ANCF_CURVATURE_EXACT)) return 0.5 * m->ei_length[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
-    double sum = 0.0;
-    for (int p = 0; p < 3; ++p) {
-        double P, R, Q;
-        ancf_at_place(&P, &R, &Q, G, ancf_gauss3_t[p]);
-        sum += ancf_gauss3_weight[p] * ancf_curvature2(P, R, Q);
-    }
-    return 0.5 * m->ei_length[e] * sum;
-}
-
 void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, const double* x, int begin, int end) {
+    double way[3][ANCF_TILE];
     *axial = *bending = 0.0;
-    for (int e = begin; e < end; ++e) {
-        double g0[3], d[3], g1[3], q[3], k[3], G[ANCF_GRAM];
-        const ancf_rule rule = ancf_rule_of(m->element[e].kind);
-        element_vectors(g0, d, g1, m, x, e);
-        if (m->element[e].kind & ANCF_SPRING) {
-            *axial += spring_energy(&m->element[e], d);
-            continue;
-        }
-        for (int c = 0; c < 3; ++c) {
-            q[c] = g1[c] - g0[c];
-            k[c] = g1[c] + g0[c] - 2.0 * d[c];
-        }
-        ancf_gram(G, d, q, k);
-        *axial += ancf_axial_energy(G, &rule, m->ea_length[e]);
-        if (m->element[e].ei > 0.0) *bending += bending_energy(m, e, G);
+    for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
+        ancf_tile part = *t;
+        if (part.begin < begin) part.begin = begin;
+        if (part.end > end) part.end = end;
+        if (part.begin >= part.end) continue;
+        ancf_fields k = ancf_tile_places(m, &part, x, way);
+        k.inv_length = m->inv_length + part.begin;
+        k.ea = m->ea_length + part.begin;
+        k.ei = m->ei_length + part.begin;
+        double stretched, bent;
+        ancf_kernel_energy(&stretched, &bent, &k, t->kind);
+        *axial += stretched;
+        *bending += bent;
     }
 }
 
 double ancf_damping_power(ancf_model* m, const double* x, const double* v) {
-    if (!any_damped(m)) return 0.0;
+    if (!ancf_elastic_damped(m)) return 0.0;
     const int field = 3 * m->stride;
     double *total = m->work, *elastic = m->work + field, *rest = m->work + 2 * field;
     for (int i = 0; i < field; ++i) rest[i] = 0.0;

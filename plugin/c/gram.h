@@ -81,19 +81,14 @@ ANCF_INLINE void ancf_axial(double h[ANCF_GRAM], const double G[ANCF_GRAM], cons
 static const double ancf_gauss3_t[3] = {-0.77459666924148338, 0.0, 0.77459666924148338};
 static const double ancf_gauss3_weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
 
-// Squares of |r'|, r'.L r'' and |L r''| at a place t, from G or from its rate.
+// P = r'.r', R = r'.L r'' and Q = L^2 r''.r'' at a place t, from G, or their rates from its rate; the curvature
+// kappa = |r' x r''|/|r'|^2 there is (L kappa)^2 = (Q P - R^2)/P^2.
 ANCF_INLINE void ancf_at_place(double* P, double* R, double* Q, const double G[ANCF_GRAM], double t) {
     const double a = 0.5 * t, b = 0.25 * (3.0 * t * t - 1.0), s = 3.0 * t;
     *P = G[ANCF_DD] + a * a * G[ANCF_QQ] + b * b * G[ANCF_KK] +
          2.0 * (a * G[ANCF_DQ] + b * G[ANCF_DK] + a * b * G[ANCF_QK]);
     *R = G[ANCF_DQ] + s * G[ANCF_DK] + a * G[ANCF_QQ] + (s * a + b) * G[ANCF_QK] + s * b * G[ANCF_KK];
     *Q = G[ANCF_QQ] + s * s * G[ANCF_KK] + 2.0 * s * G[ANCF_QK];
-}
-
-// (L kappa)^2 = (Q P - R^2)/P^2 at a place, kappa = |r' x r''|/|r'|^2; not below 0 by rounding.
-ANCF_INLINE double ancf_curvature2(double P, double R, double Q) {
-    const double q = (Q - R * R / P) / P;
-    return q > 0.0 ? q : 0.0;
 }
 
 #endif

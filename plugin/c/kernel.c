@@ -138,3 +138,65 @@ void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped)
     const ancf_rule rule = ancf_rule_of(kind);
     beams[!bending ? STRAIGHT : kind & ANCF_CURVATURE_EXACT ? EXACT : FAST][damped](fields, &rule);
 }
+
+// (L kappa)^2 at the 3 Gauss points, with their weights.
+ANCF_INLINE double exact_curvature2(const double G[ANCF_GRAM]) {
+    double sum = 0.0;
+    for (int p = 0; p < 3; ++p) {
+        double P, R, Q;
+        ancf_at_place(&P, &R, &Q, G, ancf_gauss3_t[p]);
+        const double q = (Q - R * R / P) / P; // not below 0 but by rounding
+        sum += ancf_gauss3_weight[p] * (q > 0.0 ? q : 0.0);
+    }
+    return sum;
+}
+
+ANCF_INLINE void beam_energy(double* axial, double* bending, const ancf_fields* fields, const ancf_rule* of,
+                             int exact) {
+    const ancf_fields K = *fields;
+    const ancf_rule rule = *of;
+    double stretched = 0.0, bent = 0.0;
+#pragma omp simd reduction(+ : stretched, bent)
+    for (int e = 0; e < K.n; ++e) {
+        double d[3], q[3], k[3], G[ANCF_GRAM];
+        for (int c = 0; c < 3; ++c) {
+            d[c] = K.way[c][e] * K.inv_length[e];
+            q[c] = K.g1[c][e] - K.g0[c][e];
+            k[c] = K.g1[c][e] + K.g0[c][e] - 2.0 * d[c];
+        }
+        ancf_gram(G, d, q, k);
+        stretched += ancf_axial_energy(G, &rule, K.ea[e]);
+        bent += 0.5 * K.ei[e] * (exact ? exact_curvature2(G) : G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
+    }
+    *axial = stretched;
+    *bending = bent;
+}
+
+ANCF_CLONES static void fast_energy(double* axial, double* bending, const ancf_fields* fields, const ancf_rule* rule) {
+    beam_energy(axial, bending, fields, rule, 0);
+}
+
+ANCF_CLONES static void exact_energy(double* axial, double* bending, const ancf_fields* fields, const ancf_rule* rule) {
+    beam_energy(axial, bending, fields, rule, 1);
+}
+
+ANCF_CLONES static double spring_energy(const ancf_fields* fields) {
+    const ancf_fields K = *fields;
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (int e = 0; e < K.n; ++e) {
+        double d[3];
+        for (int c = 0; c < 3; ++c) d[c] = K.way[c][e] * K.inv_length[e];
+        const double strain = sqrt(ancf_inner(d, d)) - 1.0, taut = strain > 0.0 ? strain : 0.0;
+        sum += 2.0 * K.ea[e] * taut * taut;
+    }
+    return sum;
+}
+
+void ancf_kernel_energy(double* axial, double* bending, const ancf_fields* fields, int kind) {
+    const ancf_rule rule = ancf_rule_of(kind);
+    *bending = 0.0;
+    if (kind & ANCF_SPRING) *axial = spring_energy(fields);
+    else if (kind & ANCF_CURVATURE_EXACT) exact_energy(axial, bending, fields, &rule);
+    else fast_energy(axial, bending, fields, &rule);
+}

@@ -17,4 +17,7 @@ typedef struct {
 // kind, bending and damped: those of all n elements.
 void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped);
 
+// Their elastic energy [J]; reads way, g0, g1, inv_length, ea and ei.
+void ancf_kernel_energy(double* axial, double* bending, const ancf_fields* fields, int kind);
+
 #endif

@@ -16,7 +16,7 @@ ANCF_CLONES static void add_scaled(double* sum, const double* a, double factor, 
 // m->f = all forces but contact at a state.
 static void total_force(ancf_model* m, const double* x, const double* v) {
     ancf_elastic_force(m, m->f, x, v);
-    if (m->track) memcpy(m->work + 6 * m->stride, m->f, field_size(m)); // for note_damping
+    if (m->track && ancf_elastic_damped(m)) memcpy(m->work + 6 * m->stride, m->f, field_size(m)); // for note_damping
     if (!m->unloaded) add_scaled(m->f, m->f, 1.0, m->external, 3 * m->stride);
     ancf_model_join(m, m->f);
     for (int c = 0; c < 3; ++c) // joined already
@@ -43,27 +43,26 @@ void ancf_predict(ancf_model* m, const ancf_time* time) {
 static void note_damping(ancf_model* m) {
     const int n = 3 * m->stride;
     double *damping = m->work + 2 * n, *elastic = damping + n, *rest = elastic + n;
-    if (!m->track) return;
     memset(rest, 0, field_size(m));
     ancf_elastic_force(m, elastic, m->x, rest);
-    for (int i = 0; i < n; ++i) damping[i] -= elastic[i];
+    add_scaled(damping, damping, -1.0, elastic, n);
 }
 
-// Half a kick's worth of it, at a velocity: that before, or that after they have acted and no contact yet.
-static void track_damping(ancf_model* m, double kick, const double* velocity) {
+// Half a kick's worth of it at the velocity before, and half at that after they have acted and no contact yet.
+static void track_damping(ancf_model* m, double kick) {
     const int n = 3 * m->stride;
     const double* damping = m->work + 2 * n;
-    if (!m->track) return;
-    for (int i = 0; i < n; ++i) m->damping_work -= 0.5 * kick * damping[i] * velocity[i];
+    m->damping_half = m->damping_work;
+    if (!ancf_elastic_damped(m)) return;
+    note_damping(m);
+    m->damping_half -= 0.5 * kick * ancf_product(damping, m->v, n);
+    m->damping_work = m->damping_half - 0.5 * kick * ancf_product(damping, m->free, n);
 }
 
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift) {
     const int n = 3 * m->stride;
     const double kick = ancf_kick(time);
-    note_damping(m);
-    track_damping(m, kick, m->v);
-    m->damping_half = m->damping_work;
-    track_damping(m, kick, m->free);
+    if (m->track) track_damping(m, kick);
     if (after != m->free)
         for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / kick;
     memcpy(m->v, after, field_size(m));

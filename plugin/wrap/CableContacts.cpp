@@ -327,7 +327,7 @@ void CableContacts::addCrossings(CableEngine& cable) {
                          memory.data(), static_cast<int>(memory.size())));
 }
 
-void CableContacts::gather(CableEngine& cable, int steps) {
+bool CableContacts::begin(const CableEngine& cable, int steps) {
     untilFirst = -.5 * (steps - 1) * cable.scene->dt / steps;
     ancf_table_clear(table.get());
     ++gathered;
@@ -338,6 +338,13 @@ void CableContacts::gather(CableEngine& cable, int steps) {
     if (entryOfBody.size() < bodies) entryOfBody.resize(bodies);
     knotOfCarrier.assign(cable.carryIds.size(), -1);
     lookAround(cable);
+    const auto meets = [&](Body::id_t id) { return !(*cable.scene->bodies)[id]->intrs.empty(); };
+    return windows > 0 || !awake.empty() || cable.anyCoupled ||
+           std::any_of(cable.carryIds.begin(), cable.carryIds.end(),
+                       [&](Body::id_t id) { return meets(id) || (*cable.scene->bodies)[id]->isClump(); });
+}
+
+void CableContacts::gather(CableEngine& cable) {
     addCouplings(cable);
     addElements(cable);
     addCarried(cable);

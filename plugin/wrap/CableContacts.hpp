@@ -80,7 +80,8 @@ public:
     void reset(); // the model is gone
     void build(CableEngine& cable);
 
-    void gather(CableEngine& cable, int steps);                                 // that the cable takes in O.dt
+    bool begin(const CableEngine& cable, int steps); // that the cable takes in O.dt; false: there is nothing to gather
+    void gather(CableEngine& cable);
     void solve(CableEngine& cable, const ancf_time& time, int step, int steps); // one of the cable's in O.dt
     void give(CableEngine& cable, const ancf_time& time);
     void look(CableEngine& cable);                             // after the step: do the boxes hold?

@@ -7,6 +7,9 @@
 // force = -dU/de and the Kelvin-Voigt force at state (x, v), (3 x stride); shared slopes are not joined yet.
 void ancf_elastic_force(ancf_model* m, double* force, const double* x, const double* v);
 
+// Whether some forces depend on velocities.
+bool ancf_elastic_damped(const ancf_model* m);
+
 // Elastic energy of the elements begin .. end-1 [J], by axial strain and by bending.
 void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, const double* x, int begin, int end);
 

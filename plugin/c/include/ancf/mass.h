@@ -25,6 +25,9 @@ void ancf_mass_multiply(const ancf_model* m, double* product, const double* fiel
 // Kinetic energy of all elements, added masses left out [J]; only where the matrix is diagonal.
 double ancf_mass_kinetic(const ancf_model* m);
 
+// The same at v + last/2 a, less that at step/2 a (balance.h).
+double ancf_mass_kinetic_kept(const ancf_model* m, double last, double step);
+
 // Mass added at a node [kg].
 double ancf_mass_added(const ancf_model* m, int node);
 
