@@ -284,24 +284,25 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
     rows.push_back(row);
 }
 
-void CableContacts::addElements(const CableEngine& cable) {
+// Contacts of elements that are looked at, then of spheres that knots carry (element -1), until `found` says so.
+template <class F> bool CableContacts::find(const CableEngine& cable, F found) const {
     for (const int e : awake)
-        for (const auto& [id, contact] : cable.elementBody(e).intrs) addContact(cable, *contact, e);
-}
-
-void CableContacts::addCarried(const CableEngine& cable) {
-    const auto add = [&](const Body& body) {
-        if (!CarriedSphere::is(body)) return;
+        for (const auto& [id, contact] : cable.elementBody(e).intrs)
+            if (found(*contact, e)) return true;
+    const auto ofSphere = [&](const Body& body) {
+        if (!CarriedSphere::is(body)) return false;
         for (const auto& [id, contact] : body.intrs)
-            if (contact->getId2() == body.id) addContact(cable, *contact, -1);
+            if (contact->getId2() == body.id && found(*contact, -1)) return true;
+        return false;
     };
     for (const Body::id_t id : cable.carryIds) {
         const Body& body = *(*cable.scene->bodies)[id];
-        add(body);
+        if (ofSphere(body)) return true;
         if (body.isClump())
             for (const auto& member : static_cast<const Clump&>(*body.shape).members)
-                add(*(*cable.scene->bodies)[member.first]);
+                if (ofSphere(*(*cable.scene->bodies)[member.first])) return true;
     }
+    return false;
 }
 
 void CableContacts::addCouplings(const CableEngine& cable) {
@@ -338,16 +339,18 @@ bool CableContacts::begin(const CableEngine& cable, int steps) {
     if (entryOfBody.size() < bodies) entryOfBody.resize(bodies);
     knotOfCarrier.assign(cable.carryIds.size(), -1);
     lookAround(cable);
-    const auto meets = [&](Body::id_t id) { return !(*cable.scene->bodies)[id]->intrs.empty(); };
-    return windows > 0 || !awake.empty() || cable.anyCoupled ||
-           std::any_of(cable.carryIds.begin(), cable.carryIds.end(),
-                       [&](Body::id_t id) { return meets(id) || (*cable.scene->bodies)[id]->isClump(); });
+    return windows > 0 || cable.anyCoupled || find(cable, [](const Interaction& contact, int) {
+               const CableGeom* geom = geomOf(contact);
+               return geom && !geom->xi.empty();
+           });
 }
 
 void CableContacts::gather(CableEngine& cable) {
     addCouplings(cable);
-    addElements(cable);
-    addCarried(cable);
+    find(cable, [&](const Interaction& contact, int element) {
+        addContact(cable, contact, element);
+        return false;
+    });
     addCrossings(cable);
 }
 

@@ -66,8 +66,7 @@ class CableContacts {
     int addBody(const CableEngine& cable, const Body& touched);
     ancf_side sideOf(const CableEngine& cable, const Body& touched, const Vector3r& at);
     void addContact(const CableEngine& cable, const Interaction& contact, int element);
-    void addElements(const CableEngine& cable);
-    void addCarried(const CableEngine& cable);
+    template <class F> bool find(const CableEngine& cable, F found) const;
     void addCouplings(const CableEngine& cable);
     void addCrossings(CableEngine& cable);
     void follow(const CableEngine& cable);
