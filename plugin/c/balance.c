@@ -65,13 +65,20 @@ static bool counts(const ancf_model* m, int dof) {
     return end < 0 || m->next[end] < 0;
 }
 
+ANCF_CLONES static double product(const double* a, const double* b, int n) {
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (int i = 0; i < n; ++i) sum += a[i] * b[i];
+    return sum;
+}
+
 // The end's copy of a shared slope counts no second time.
 double ancf_height(const ancf_model* m) {
     double sum = 0.0;
     for (int c = 0; c < 3; ++c) {
         const double *x = m->x + c * m->stride, g = m->gravity[c];
         if (g == 0.0) continue;
-        sum -= g * ancf_product(m->weight, x, m->n_dof);
+        sum -= g * product(m->weight, x, m->n_dof);
         for (int k = 0; k < m->n_shared; ++k) sum += g * m->weight[m->shared[2 * k + 1]] * x[m->shared[2 * k + 1]];
     }
     return sum;

@@ -1,15 +1,10 @@
 #include "ancf/elastic.h"
+#include "account.h"
 #include "ancf/shape.h"
 #include "gram.h"
 #include "tile.h"
 
 #include <math.h>
-
-bool ancf_elastic_damped(const ancf_model* m) {
-    for (int t = 0; t < m->n_tiles; ++t)
-        if (m->tile[t].damped) return true;
-    return false;
-}
 
 void ancf_elastic_force(ancf_model* m, double* force, const double* x, const double* v) {
     double way[3][ANCF_TILE], wayv[3][ANCF_TILE];
@@ -36,39 +31,48 @@ static void element_vectors(double g0[3], double d[3], double g1[3], const ancf_
     }
 }
 
+static void add(ancf_account* sum, const ancf_account* more) {
+    sum->axial += more->axial;
+    sum->bending += more->bending;
+    sum->before += more->before;
+    sum->after += more->after;
+}
+
 void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, const double* x, int begin, int end) {
-    double way[3][ANCF_TILE];
-    *axial = *bending = 0.0;
+    double way[3][ANCF_TILE], wayv[3][ANCF_TILE];
+    ancf_account sum = {0}, one;
     for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
         ancf_tile part = *t;
         if (part.begin < begin) part.begin = begin;
         if (part.end > end) part.end = end;
         if (part.begin >= part.end) continue;
-        ancf_fields k = ancf_tile_places(m, &part, x, way);
+        ancf_fields k = ancf_tile_fields(m, &part, x, x, way, wayv);
         k.inv_length = m->inv_length + part.begin;
         k.ea = m->ea_length + part.begin;
         k.ei = m->ei_length + part.begin;
-        double stretched, bent;
-        ancf_kernel_energy(&stretched, &bent, &k, t->kind);
-        *axial += stretched;
-        *bending += bent;
+        k.eta = m->damping + part.begin;
+        ancf_kernel_account(&one, &k, NULL, t->kind, t->bending);
+        add(&sum, &one);
     }
+    *axial = sum.axial;
+    *bending = sum.bending;
 }
 
-double ancf_damping_power(ancf_model* m, const double* x, const double* v) {
-    if (!ancf_elastic_damped(m)) return 0.0;
-    const int field = 3 * m->stride;
-    double *total = m->work, *elastic = m->work + field, *rest = m->work + 2 * field;
-    for (int i = 0; i < field; ++i) rest[i] = 0.0;
-    ancf_elastic_force(m, total, x, v);
-    ancf_elastic_force(m, elastic, x, rest);
-    double power = 0.0;
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_dof; ++i) {
-            const int j = c * m->stride + i;
-            power += (elastic[j] - total[j]) * v[j];
-        }
-    return power;
+ancf_account ancf_elastic_account(const ancf_model* m, const double* x, const double* v, const double* after) {
+    double way[3][ANCF_TILE], wayv[3][ANCF_TILE], later[3][ANCF_TILE];
+    ancf_account sum = {0}, one;
+    for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
+        const ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
+        ancf_fields other = k;
+        if (t->damped) ancf_tile_rates(&other, m, t, after, later);
+        ancf_kernel_account(&one, &k, t->damped ? &other : NULL, t->kind, t->bending);
+        add(&sum, &one);
+    }
+    return sum;
+}
+
+double ancf_damping_power(const ancf_model* m, const double* x, const double* v) {
+    return -ancf_elastic_account(m, x, v, v).before;
 }
 
 // r' and its rate at xi.

@@ -47,8 +47,9 @@ ANCF_INLINE void ancf_gram_rate(double R[ANCF_GRAM], const double d[3], const do
     R[ANCF_QK] = ancf_inner(q, kv) + ancf_inner(k, qv);
 }
 
-ANCF_INLINE void ancf_strains(double E[5], const double G[ANCF_GRAM], const ancf_rule* rule) {
-    E[0] = (G[ANCF_DD] - 1.0) + ((1.0 / 12.0) * G[ANCF_QQ] + (1.0 / 20.0) * G[ANCF_KK]);
+// one: 1, or 0 to get the rates of E from that of G.
+ANCF_INLINE void ancf_strains(double E[5], const double G[ANCF_GRAM], const ancf_rule* rule, double one) {
+    E[0] = (G[ANCF_DD] - one) + ((1.0 / 12.0) * G[ANCF_QQ] + (1.0 / 20.0) * G[ANCF_KK]);
     E[1] = G[ANCF_DQ] + (1.0 / 5.0) * G[ANCF_QK];
     E[2] = G[ANCF_DK] + ((1.0 / 6.0) * G[ANCF_QQ] + rule->kk2 * G[ANCF_KK]);
     E[3] = rule->qk3 * G[ANCF_QK];
@@ -58,15 +59,16 @@ ANCF_INLINE void ancf_strains(double E[5], const double G[ANCF_GRAM], const ancf
 // Axial energy.
 ANCF_INLINE double ancf_axial_energy(const double G[ANCF_GRAM], const ancf_rule* rule, double ea_length) {
     double E[5];
-    ancf_strains(E, G, rule);
+    ancf_strains(E, G, rule, 1.0);
     return 0.5 * ea_length *
            (E[0] * E[0] + E[1] * E[1] / 3.0 + E[2] * E[2] / 5.0 + E[3] * E[3] / 7.0 + E[4] * E[4] / 9.0);
 }
 
-// h = its derivatives by G.
-ANCF_INLINE void ancf_axial(double h[ANCF_GRAM], const double G[ANCF_GRAM], const ancf_rule* rule, double ea_length) {
+// h = its derivatives by G, or their rates.
+ANCF_INLINE void ancf_axial(double h[ANCF_GRAM], const double G[ANCF_GRAM], const ancf_rule* rule, double ea_length,
+                            double one) {
     double E[5];
-    ancf_strains(E, G, rule);
+    ancf_strains(E, G, rule, one);
     E[0] *= ea_length;
     E[1] *= ea_length * (1.0 / 3.0);
     E[2] *= ea_length * (1.0 / 5.0);

@@ -19,9 +19,6 @@
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 bool ancf_reserve(void** items, int* room, int n, size_t size);
 
-// Sum of a_i b_i.
-double ancf_product(const double* a, const double* b, int n);
-
 // Weights of an element's four unknowns at xi.
 void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi);
 void ancf_model_mean_weights(double S[4], const ancf_model* m, int element, const double power[3]);

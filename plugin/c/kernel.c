@@ -22,15 +22,15 @@ ANCF_INLINE void damp_fast(double h[ANCF_GRAM], const double G[ANCF_GRAM], const
     h[ANCF_QK] += 2.0 * root3 * (q[1] - q[0]);
 }
 
-// EI/2 int kappa^2 ds at 3 Gauss points, with its Kelvin-Voigt term.
+// EI/2 int kappa^2 ds at 3 Gauss points, `elastic` times, with its Kelvin-Voigt term.
 ANCF_INLINE void bend_exact(double h[ANCF_GRAM], const double G[ANCF_GRAM], const double rate[ANCF_GRAM], double ei,
-                            double eta, int damped) {
+                            double eta, int damped, double elastic) {
     for (int p = 0; p < 3; ++p) {
         const double t = ancf_gauss3_t[p], a = 0.5 * t, b = 0.25 * (3.0 * t * t - 1.0), s = 3.0 * t;
         double P, R, Q;
         ancf_at_place(&P, &R, &Q, G, t);
         const double inv = 1.0 / P, part = R * inv;
-        double qP = inv * inv * (2.0 * R * part - Q), qR = -2.0 * inv * part, qQ = inv, factor = 0.5;
+        double qP = inv * inv * (2.0 * R * part - Q), qR = -2.0 * inv * part, qQ = inv, factor = 0.5 * elastic;
         if (damped) {
             double Pv, Rv, Qv;
             ancf_at_place(&Pv, &Rv, &Qv, rate, t);
@@ -52,36 +52,38 @@ ANCF_INLINE void bend_exact(double h[ANCF_GRAM], const double G[ANCF_GRAM], cons
 
 enum { STRAIGHT, FAST, EXACT };
 
+// d, q and k of an element from its way and end slopes, or their rates.
+ANCF_INLINE void vectors_of(double d[3], double q[3], double k[3], const double* const way[3],
+                            const double* const g0[3], const double* const g1[3], const double* inv_length, int e) {
+    for (int c = 0; c < 3; ++c) {
+        d[c] = way[c][e] * inv_length[e];
+        q[c] = g1[c][e] - g0[c][e];
+        k[c] = g1[c][e] + g0[c][e] - 2.0 * d[c];
+    }
+}
+
 ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bending, int damped) {
     const ancf_fields K = *fields;
     const ancf_rule rule = *of;
 #pragma GCC ivdep
     for (int e = 0; e < K.n; ++e) {
         double d[3], q[3], k[3], G[ANCF_GRAM], at[ANCF_GRAM], rate[ANCF_GRAM] = {0.0}, h[ANCF_GRAM];
-        for (int c = 0; c < 3; ++c) {
-            d[c] = K.way[c][e] * K.inv_length[e];
-            q[c] = K.g1[c][e] - K.g0[c][e];
-            k[c] = K.g1[c][e] + K.g0[c][e] - 2.0 * d[c];
-        }
+        vectors_of(d, q, k, K.way, K.g0, K.g1, K.inv_length, e);
         ancf_gram(G, d, q, k);
         for (int i = 0; i < ANCF_GRAM; ++i) at[i] = G[i];
         if (damped) {
             double dv[3], qv[3], kv[3];
-            for (int c = 0; c < 3; ++c) {
-                dv[c] = K.wayv[c][e] * K.inv_length[e];
-                qv[c] = K.g1v[c][e] - K.g0v[c][e];
-                kv[c] = K.g1v[c][e] + K.g0v[c][e] - 2.0 * dv[c];
-            }
+            vectors_of(dv, qv, kv, K.wayv, K.g0v, K.g1v, K.inv_length, e);
             ancf_gram_rate(rate, d, q, k, dv, qv, kv);
             for (int i = 0; i < ANCF_GRAM; ++i) at[i] += K.eta[e] * rate[i];
         }
-        ancf_axial(h, at, &rule, K.ea[e]);
+        ancf_axial(h, at, &rule, K.ea[e], 1.0);
         if (bending == FAST) {
             h[ANCF_QQ] += 0.5 * K.ei[e];
             h[ANCF_KK] += 1.5 * K.ei[e];
             if (damped) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
         }
-        if (bending == EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped);
+        if (bending == EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 1.0);
         for (int c = 0; c < 3; ++c) {
             const double on_d = 2.0 * h[ANCF_DD] * d[c] + h[ANCF_DQ] * q[c] + h[ANCF_DK] * k[c],
                          on_q = 2.0 * h[ANCF_QQ] * q[c] + h[ANCF_DQ] * d[c] + h[ANCF_QK] * k[c],
@@ -151,52 +153,87 @@ ANCF_INLINE double exact_curvature2(const double G[ANCF_GRAM]) {
     return sum;
 }
 
-ANCF_INLINE void beam_energy(double* axial, double* bending, const ancf_fields* fields, const ancf_rule* of,
-                             int exact) {
-    const ancf_fields K = *fields;
-    const ancf_rule rule = *of;
-    double stretched = 0.0, bent = 0.0;
-#pragma omp simd reduction(+ : stretched, bent)
-    for (int e = 0; e < K.n; ++e) {
-        double d[3], q[3], k[3], G[ANCF_GRAM];
-        for (int c = 0; c < 3; ++c) {
-            d[c] = K.way[c][e] * K.inv_length[e];
-            q[c] = K.g1[c][e] - K.g0[c][e];
-            k[c] = K.g1[c][e] + K.g0[c][e] - 2.0 * d[c];
-        }
-        ancf_gram(G, d, q, k);
-        stretched += ancf_axial_energy(G, &rule, K.ea[e]);
-        bent += 0.5 * K.ei[e] * (exact ? exact_curvature2(G) : G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
-    }
-    *axial = stretched;
-    *bending = bent;
-}
-
-ANCF_CLONES static void fast_energy(double* axial, double* bending, const ancf_fields* fields, const ancf_rule* rule) {
-    beam_energy(axial, bending, fields, rule, 0);
-}
-
-ANCF_CLONES static void exact_energy(double* axial, double* bending, const ancf_fields* fields, const ancf_rule* rule) {
-    beam_energy(axial, bending, fields, rule, 1);
-}
-
-ANCF_CLONES static double spring_energy(const ancf_fields* fields) {
-    const ancf_fields K = *fields;
+ANCF_INLINE double product_of(const double a[ANCF_GRAM], const double b[ANCF_GRAM]) {
     double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-    for (int e = 0; e < K.n; ++e) {
-        double d[3];
-        for (int c = 0; c < 3; ++c) d[c] = K.way[c][e] * K.inv_length[e];
-        const double strain = sqrt(ancf_inner(d, d)) - 1.0, taut = strain > 0.0 ? strain : 0.0;
-        sum += 2.0 * K.ea[e] * taut * taut;
-    }
+    for (int i = 0; i < ANCF_GRAM; ++i) sum += a[i] * b[i];
     return sum;
 }
 
-void ancf_kernel_energy(double* axial, double* bending, const ancf_fields* fields, int kind) {
+ANCF_INLINE void account_of(ancf_account* account, const ancf_fields* fields, const ancf_fields* later,
+                            const ancf_rule* of, int bending, int damped) {
+    const ancf_fields K = *fields, U = damped ? *later : *fields;
+    const ancf_rule rule = *of;
+    double axial = 0.0, bent = 0.0, before = 0.0, after = 0.0;
+#pragma omp simd reduction(+ : axial, bent, before, after)
+    for (int e = 0; e < K.n; ++e) {
+        double d[3], q[3], k[3], G[ANCF_GRAM];
+        vectors_of(d, q, k, K.way, K.g0, K.g1, K.inv_length, e);
+        ancf_gram(G, d, q, k);
+        axial += ancf_axial_energy(G, &rule, K.ea[e]);
+        if (bending == FAST) bent += 0.5 * K.ei[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
+        if (bending == EXACT) bent += 0.5 * K.ei[e] * exact_curvature2(G);
+        if (damped) {
+            double dv[3], qv[3], kv[3], rate[ANCF_GRAM], stress[ANCF_GRAM], h[ANCF_GRAM];
+            vectors_of(dv, qv, kv, K.wayv, K.g0v, K.g1v, K.inv_length, e);
+            ancf_gram_rate(rate, d, q, k, dv, qv, kv);
+            for (int i = 0; i < ANCF_GRAM; ++i) stress[i] = K.eta[e] * rate[i];
+            ancf_axial(h, stress, &rule, K.ea[e], 0.0);
+            if (bending == FAST) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
+            if (bending == EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 0.0);
+            before -= product_of(h, rate);
+            vectors_of(dv, qv, kv, U.wayv, U.g0v, U.g1v, K.inv_length, e);
+            ancf_gram_rate(rate, d, q, k, dv, qv, kv);
+            after -= product_of(h, rate);
+        }
+    }
+    *account = (ancf_account) {axial, bent, before, after};
+}
+
+#define ANCF_ACCOUNT(name, bending, damped)                                                                            \
+    ANCF_CLONES static void name(ancf_account* account, const ancf_fields* fields, const ancf_fields* after,           \
+                                 const ancf_rule* rule) {                                                              \
+        account_of(account, fields, after, rule, bending, damped);                                                     \
+    }
+ANCF_ACCOUNT(account_straight, STRAIGHT, 0)
+ANCF_ACCOUNT(account_straight_damped, STRAIGHT, 1)
+ANCF_ACCOUNT(account_fast, FAST, 0)
+ANCF_ACCOUNT(account_fast_damped, FAST, 1)
+ANCF_ACCOUNT(account_exact, EXACT, 0)
+ANCF_ACCOUNT(account_exact_damped, EXACT, 1)
+
+ANCF_CLONES static void account_spring(ancf_account* account, const ancf_fields* fields, const ancf_fields* later) {
+    const ancf_fields K = *fields, U = later ? *later : *fields;
+    double energy = 0.0, before = 0.0, after = 0.0;
+#pragma omp simd reduction(+ : energy, before, after)
+    for (int e = 0; e < K.n; ++e) {
+        double d[3], v[3], u[3];
+        for (int c = 0; c < 3; ++c) {
+            d[c] = K.way[c][e] * K.inv_length[e];
+            v[c] = K.wayv[c][e];
+            u[c] = U.wayv[c][e];
+        }
+        const double stretch = sqrt(ancf_inner(d, d)), strain = stretch > 1.0 ? stretch - 1.0 : 0.0,
+                     taut = stretch > 1.0 ? 1.0 : 0.0, inv = 1.0 / (stretch + DBL_MIN);
+        const double along = ancf_inner(d, v) * inv, ea = 4.0 * K.ea[e] * K.inv_length[e], slack = -ea * strain,
+                     viscous = ea * K.eta[e] * K.inv_length[e] * along,
+                     more = taut * (viscous > slack ? viscous : slack); // it never pushes
+        energy += 2.0 * K.ea[e] * strain * strain;
+        before -= more * along;
+        after -= more * ancf_inner(d, u) * inv;
+    }
+    *account = (ancf_account) {energy, 0.0, before, after};
+}
+
+void ancf_kernel_account(ancf_account* account, const ancf_fields* fields, const ancf_fields* after, int kind,
+                         bool bending) {
+    static void (*const beams[3][2])(ancf_account*, const ancf_fields*, const ancf_fields*,
+                                     const ancf_rule*) = {{account_straight, account_straight_damped},
+                                                          {account_fast, account_fast_damped},
+                                                          {account_exact, account_exact_damped}};
     const ancf_rule rule = ancf_rule_of(kind);
-    *bending = 0.0;
-    if (kind & ANCF_SPRING) *axial = spring_energy(fields);
-    else if (kind & ANCF_CURVATURE_EXACT) exact_energy(axial, bending, fields, &rule);
-    else fast_energy(axial, bending, fields, &rule);
+    if (kind & ANCF_SPRING) account_spring(account, fields, after);
+    else
+        beams[!bending                      ? STRAIGHT
+              : kind & ANCF_CURVATURE_EXACT ? EXACT
+                                            : FAST][after != NULL](account, fields, after, &rule);
 }

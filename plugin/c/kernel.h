@@ -17,7 +17,13 @@ typedef struct {
 // kind, bending and damped: those of all n elements.
 void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped);
 
-// Their elastic energy [J]; reads way, g0, g1, inv_length, ea and ei.
-void ancf_kernel_energy(double* axial, double* bending, const ancf_fields* fields, int kind);
+typedef struct {
+    double axial, bending; // energy [J]
+    double before, after; // power of the Kelvin-Voigt forces at two velocities, one of them that which they are for [W]
+} ancf_account;
+
+// What forces of n elements store and take out. after: whose rates are the second velocity; or NULL, and no power.
+void ancf_kernel_account(ancf_account* account, const ancf_fields* fields, const ancf_fields* after, int kind,
+                         bool bending);
 
 #endif

@@ -1,4 +1,5 @@
 #include "ancf/step.h"
+#include "account.h"
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
 #include "held.h"
@@ -16,7 +17,6 @@ ANCF_CLONES static void add_scaled(double* sum, const double* a, double factor, 
 // m->f = all forces but contact at a state.
 static void total_force(ancf_model* m, const double* x, const double* v) {
     ancf_elastic_force(m, m->f, x, v);
-    if (m->track && ancf_elastic_damped(m)) memcpy(m->work + 6 * m->stride, m->f, field_size(m)); // for note_damping
     if (!m->unloaded) add_scaled(m->f, m->f, 1.0, m->external, 3 * m->stride);
     ancf_model_join(m, m->f);
     for (int c = 0; c < 3; ++c) // joined already
@@ -29,6 +29,15 @@ void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
     ancf_mass_solve(m, m->a, m->f);
 }
 
+// Energies at the start of the step, and what the Kelvin-Voigt forces do in its kick: half of that at the velocity
+// before, half at that after they have acted and no contact yet; their work on the mean, to the rounding of the scheme.
+static void account(ancf_model* m) {
+    const ancf_account of = ancf_elastic_account(m, m->x, m->v, m->free);
+    m->elastic = of.axial + of.bending;
+    m->damping_power[0] = of.before;
+    m->damping_power[1] = of.after;
+}
+
 void ancf_predict(ancf_model* m, const ancf_time* time) {
     const double kick = ancf_kick(time);
     ancf_held_accelerate(m, kick);
@@ -36,33 +45,16 @@ void ancf_predict(ancf_model* m, const ancf_time* time) {
     ancf_mass_solve(m, m->a, m->f);
     add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
     ancf_held_set(m, m->free);
-}
-
-// What the Kelvin-Voigt forces take out in a kick, to the last bit of the scheme: their work on the mean velocity. The
-// forces are what total_force kept less the elastic ones.
-static void note_damping(ancf_model* m) {
-    const int n = 3 * m->stride;
-    double *damping = m->work + 2 * n, *elastic = damping + n, *rest = elastic + n;
-    memset(rest, 0, field_size(m));
-    ancf_elastic_force(m, elastic, m->x, rest);
-    add_scaled(damping, damping, -1.0, elastic, n);
-}
-
-// Half a kick's worth of it at the velocity before, and half at that after they have acted and no contact yet.
-static void track_damping(ancf_model* m, double kick) {
-    const int n = 3 * m->stride;
-    const double* damping = m->work + 2 * n;
-    m->damping_half = m->damping_work;
-    if (!ancf_elastic_damped(m)) return;
-    note_damping(m);
-    m->damping_half -= 0.5 * kick * ancf_product(damping, m->v, n);
-    m->damping_work = m->damping_half - 0.5 * kick * ancf_product(damping, m->free, n);
+    if (m->track) account(m);
 }
 
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift) {
     const int n = 3 * m->stride;
     const double kick = ancf_kick(time);
-    if (m->track) track_damping(m, kick);
+    if (m->track) {
+        m->damping_half = m->damping_work - 0.5 * kick * m->damping_power[0];
+        m->damping_work = m->damping_half - 0.5 * kick * m->damping_power[1];
+    }
     if (after != m->free)
         for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / kick;
     memcpy(m->v, after, field_size(m));

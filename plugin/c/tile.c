@@ -181,30 +181,30 @@ ANCF_CLONES static void find_ways(double way[3][ANCF_TILE], const ancf_model* m,
     }
 }
 
-ancf_fields ancf_tile_places(const ancf_model* m, const ancf_tile* t, const double* x, double way[3][ANCF_TILE]) {
-    ancf_fields k = {.n = t->end - t->begin};
-    find_ways(way, m, t, x);
+void ancf_tile_rates(ancf_fields* k, const ancf_model* m, const ancf_tile* t, const double* v,
+                     double wayv[3][ANCF_TILE]) {
+    find_ways(wayv, m, t, v);
     for (int c = 0; c < 3; ++c) {
-        k.way[c] = way[c];
-        k.g0[c] = x + c * m->stride + m->n_nodes + t->begin;
-        k.g1[c] = k.g0[c] + m->n_elements;
+        k->wayv[c] = wayv[c];
+        k->g0v[c] = v + c * m->stride + m->n_nodes + t->begin;
+        k->g1v[c] = k->g0v[c] + m->n_elements;
     }
-    return k;
 }
 
 ancf_fields ancf_tile_fields(const ancf_model* m, const ancf_tile* t, const double* x, const double* v,
                              double way[3][ANCF_TILE], double wayv[3][ANCF_TILE]) {
     const int like = m->tile[t->like].begin;
-    ancf_fields k = ancf_tile_places(m, t, x, way);
-    k.inv_length = m->inv_length + like;
-    k.ea = m->ea_length + like;
-    k.ei = m->ei_length + like;
-    k.eta = m->damping + like;
-    if (t->damped || t->kind & ANCF_SPRING) find_ways(wayv, m, t, v);
+    ancf_fields k = {.n = t->end - t->begin,
+                     .inv_length = m->inv_length + like,
+                     .ea = m->ea_length + like,
+                     .ei = m->ei_length + like,
+                     .eta = m->damping + like};
+    find_ways(way, m, t, x);
+    if (t->damped || t->kind & ANCF_SPRING) ancf_tile_rates(&k, m, t, v, wayv);
     for (int c = 0; c < 3; ++c) {
-        k.wayv[c] = wayv[c];
-        k.g0v[c] = v + c * m->stride + m->n_nodes + t->begin;
-        k.g1v[c] = k.g0v[c] + m->n_elements;
+        k.way[c] = way[c];
+        k.g0[c] = x + c * m->stride + m->n_nodes + t->begin;
+        k.g1[c] = k.g0[c] + m->n_elements;
         k.fd[c] = m->pull + c * m->n_elements + t->begin;
     }
     return k;

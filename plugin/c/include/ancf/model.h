@@ -102,10 +102,12 @@ typedef struct {
     ancf_mass* mass;
     double* weight; // (n_dof) gravity's force is weight g [kg or kg m]
     double gravity[3];
-    bool unloaded;       // external is zero, and is not read
-    bool track;          // damping_work is wanted
-    double damping_work; // taken out by Kelvin-Voigt forces so far [J]
-    double damping_half; // of that, before the positions that the last step started from [J]
+    bool unloaded;           // external is zero, and is not read
+    bool track;              // elastic and what follows are wanted
+    double elastic;          // energy at the positions that the last step started from [J]
+    double damping_power[2]; // of Kelvin-Voigt forces in the last step, at the velocities before and after [W]
+    double damping_work;     // taken out by Kelvin-Voigt forces so far [J]
+    double damping_half;     // of that, before the positions that the last step started from [J]
 
     double *x, *v;    // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
     double* external; // (3 x stride) forces that act besides those computed here [N, N m]
@@ -113,7 +115,7 @@ typedef struct {
     double *f, *a;    // (3 x stride) force and acceleration of the last step
     double* free;     // (3 x stride) mean velocity of the step ahead without friction
     double* pull;     // (3 x n_elements) forces of the elements on their end nodes; on start nodes the other way [N]
-    double* work;     // (6 x 3 x stride) for RK4, equilibrium, damping
+    double* work;     // (6 x 3 x stride) for RK4, equilibrium, momentum, kinetic energy
 } ancf_model;
 
 // Builds a model on the caller's state arrays x and v ((3 x ancf_stride(def)) each, laid out as above). On an error
