@@ -159,19 +159,31 @@ ANCF_INLINE double product_of(const double a[ANCF_GRAM], const double b[ANCF_GRA
     return sum;
 }
 
+// Accounts of single elements; their sums come after, so that the loops stay one lane each.
+typedef struct {
+    double axial[ANCF_TILE], bending[ANCF_TILE], before[ANCF_TILE], after[ANCF_TILE];
+} accounts;
+
+ANCF_INLINE double sum_of(const double* a, int n) {
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (int e = 0; e < n; ++e) sum += a[e];
+    return sum;
+}
+
 ANCF_INLINE void account_of(ancf_account* account, const ancf_fields* fields, const ancf_fields* later,
-                            const ancf_rule* of, int bending, int damped) {
+                            const ancf_rule* by, int bending, int damped) {
     const ancf_fields K = *fields, U = damped ? *later : *fields;
-    const ancf_rule rule = *of;
-    double axial = 0.0, bent = 0.0, before = 0.0, after = 0.0;
-#pragma omp simd reduction(+ : axial, bent, before, after)
+    const ancf_rule rule = *by;
+    accounts of;
+#pragma GCC ivdep
     for (int e = 0; e < K.n; ++e) {
         double d[3], q[3], k[3], G[ANCF_GRAM];
         vectors_of(d, q, k, K.way, K.g0, K.g1, K.inv_length, e);
         ancf_gram(G, d, q, k);
-        axial += ancf_axial_energy(G, &rule, K.ea[e]);
-        if (bending == FAST) bent += 0.5 * K.ei[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
-        if (bending == EXACT) bent += 0.5 * K.ei[e] * exact_curvature2(G);
+        of.axial[e] = ancf_axial_energy(G, &rule, K.ea[e]);
+        if (bending == FAST) of.bending[e] = 0.5 * K.ei[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
+        if (bending == EXACT) of.bending[e] = 0.5 * K.ei[e] * exact_curvature2(G);
         if (damped) {
             double dv[3], qv[3], kv[3], rate[ANCF_GRAM], stress[ANCF_GRAM], h[ANCF_GRAM];
             vectors_of(dv, qv, kv, K.wayv, K.g0v, K.g1v, K.inv_length, e);
@@ -180,13 +192,16 @@ ANCF_INLINE void account_of(ancf_account* account, const ancf_fields* fields, co
             ancf_axial(h, stress, &rule, K.ea[e], 0.0);
             if (bending == FAST) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
             if (bending == EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 0.0);
-            before -= product_of(h, rate);
+            of.before[e] = -product_of(h, rate);
             vectors_of(dv, qv, kv, U.wayv, U.g0v, U.g1v, K.inv_length, e);
             ancf_gram_rate(rate, d, q, k, dv, qv, kv);
-            after -= product_of(h, rate);
+            of.after[e] = -product_of(h, rate);
         }
     }
-    *account = (ancf_account) {axial, bent, before, after};
+    *account = (ancf_account) {.axial = sum_of(of.axial, K.n),
+                               .bending = bending == STRAIGHT ? 0.0 : sum_of(of.bending, K.n),
+                               .before = damped ? sum_of(of.before, K.n) : 0.0,
+                               .after = damped ? sum_of(of.after, K.n) : 0.0};
 }
 
 #define ANCF_ACCOUNT(name, bending, damped)                                                                            \
@@ -203,8 +218,8 @@ ANCF_ACCOUNT(account_exact_damped, EXACT, 1)
 
 ANCF_CLONES static void account_spring(ancf_account* account, const ancf_fields* fields, const ancf_fields* later) {
     const ancf_fields K = *fields, U = later ? *later : *fields;
-    double energy = 0.0, before = 0.0, after = 0.0;
-#pragma omp simd reduction(+ : energy, before, after)
+    accounts of;
+#pragma GCC ivdep
     for (int e = 0; e < K.n; ++e) {
         double d[3], v[3], u[3];
         for (int c = 0; c < 3; ++c) {
@@ -217,11 +232,11 @@ ANCF_CLONES static void account_spring(ancf_account* account, const ancf_fields*
         const double along = ancf_inner(d, v) * inv, ea = 4.0 * K.ea[e] * K.inv_length[e], slack = -ea * strain,
                      viscous = ea * K.eta[e] * K.inv_length[e] * along,
                      more = taut * (viscous > slack ? viscous : slack); // it never pushes
-        energy += 2.0 * K.ea[e] * strain * strain;
-        before -= more * along;
-        after -= more * ancf_inner(d, u) * inv;
+        of.axial[e] = 2.0 * K.ea[e] * strain * strain;
+        of.before[e] = -more * along;
+        of.after[e] = -more * ancf_inner(d, u) * inv;
     }
-    *account = (ancf_account) {energy, 0.0, before, after};
+    *account = (ancf_account) {sum_of(of.axial, K.n), 0.0, sum_of(of.before, K.n), sum_of(of.after, K.n)};
 }
 
 void ancf_kernel_account(ancf_account* account, const ancf_fields* fields, const ancf_fields* after, int kind,

@@ -4,6 +4,8 @@
 
 #include "internal.h"
 
+enum { ANCF_TILE = 192 }; // elements at most
+
 // Components of what a kernel reads and writes, each (n). Rates are read by damped kernels and springs alone.
 typedef struct {
     const double *way[3], *g0[3], *g1[3];    // r1 - r0 and the end slopes

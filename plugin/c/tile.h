@@ -4,8 +4,6 @@
 
 #include "kernel.h"
 
-enum { ANCF_TILE = 192 }; // elements at most
-
 // Divides the elements into m->tile, and lists what no tile moves on its own: m->seam and m->knots. After the mass has
 // been made, as tiles with equal constants are told. False: out of memory.
 bool ancf_tiles_make(ancf_model* m);

@@ -19,7 +19,6 @@ namespace yade {
 namespace {
     constexpr int substepsMost = 5000; // of contacts in a step
     constexpr int restingSteps = 100;  // of the cable, that an element should be able to move before it leaves its box
-    constexpr int flyingSteps = 300;   // the same where nothing is near
     constexpr Real stepsAhead = 2.5;   // more than what the functors look for, as speeds grow until boxes are new
     constexpr Real marginAhead = .05;  // and this part of the radius besides
 
@@ -139,8 +138,7 @@ void CableContacts::plan(const CableEngine& cable) {
     for (const ancf_cover& c : shown->cover) thickest = std::max(thickest, c.radius);
     const Real speed = std::sqrt(fastest) + ancf_boxes_fastest(cable.theModel());
     const Real ahead = stepsAhead * s.dt * speed + marginAhead * thickest;
-    const int steps = ancf_table_contacts(table.get()) == 0 ? flyingSteps : restingSteps;
-    ancf_boxes_plan(boxes.get(), cable.theModel(), s.dt / std::max(1, cable.substeps), steps, ahead);
+    ancf_boxes_plan(boxes.get(), cable.theModel(), s.dt / std::max(1, cable.substeps), restingSteps, ahead);
 }
 
 // After the collider has run: the boxes are those of now, and only elements in an interaction are looked at until then.
@@ -336,6 +334,7 @@ bool CableContacts::begin(const CableEngine& cable, int steps) {
     ++gathered;
     entries.clear();
     rows.clear();
+    firstCrossing = 0;
     const size_t bodies = cable.scene->bodies->size();
     if (stamp.size() < bodies) stamp.resize(bodies, -1);
     if (entryOfBody.size() < bodies) entryOfBody.resize(bodies);
