@@ -143,6 +143,7 @@ void CableContacts::plan(const CableEngine& cable) {
 
 // After the collider has run: the boxes are those of now, and only elements in an interaction are looked at until then.
 void CableContacts::lookAround(const CableEngine& cable) {
+    if (kinds == 0) return; // no element touches anything
     const Scene& s = *cable.scene;
     const bool ran = [&] {
         for (const Body::id_t id : cable.elementIds)
@@ -518,6 +519,7 @@ void CableContacts::follow(const CableEngine& cable) {
 
 void CableContacts::look(CableEngine& cable) {
     follow(cable);
+    if (kinds == 0) return;
     outgrown = !cable.sleep || !ancf_boxes_hold(boxes.get(), cable.theModel());
     if (!outgrown) return;
     plan(cable);
