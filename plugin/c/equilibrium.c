@@ -49,9 +49,8 @@ static double imbalance(const ancf_model* m, const double* mass) {
             const double load = external[i] + m->gravity[c] * m->weight[i];
             largest = fmax(largest, fabs(load) / unit_length(m, i));
         }
-        const double* fd = m->scratch + 6 * m->n_elements + c * m->n_elements;
-        for (int e = 0; e < m->n_elements; ++e) largest = fmax(largest, fabs(fd[e]));
     }
+    for (int k = 0; k < 3 * m->n_elements; ++k) largest = fmax(largest, fabs(m->pull[k]));
     return largest > 0.0 ? residual / largest : 0.0;
 }
 

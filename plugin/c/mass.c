@@ -22,13 +22,14 @@ struct ancf_mass {
     double *value, *pivot;
     double (*rhs)[4];   // (n) right-hand sides x, y, z side by side
     double* slope_flex; // (n_elements) 60/(m L^2), condensed only
-    double* push;       // (6 x n_elements) what the slopes' forces do to the nodes
-    int lanes;          // n rounded up, 0: the nodes' matrix is not inverted
-    double* full;       // (lanes x lanes) its inverse
-    double* load;       // (6 x lanes) forces and accelerations of the nodes
+    double* push;       // (6 x n_elements) what the slopes' forces do to the nodes, x y z, starts and ends in each
+    int* from;          // (2 n_elements) places in a component of `push` of what meets at the nodes, as m->at
+    int rows;           // n rounded up, 0: the nodes' matrix is not inverted
+    double* full;       // (n x rows) its inverse, column by column
+    double* load;       // (6 x rows) forces and accelerations of the nodes
 };
 
-enum { INVERT_UP_TO = 96, LANES = 8 };
+enum { INVERT_UP_TO = 96, ROWS = 12 };
 
 void ancf_mass_element(double M[4][4], const ancf_element* el) {
     const double L = el->length, m = el->rho_a * L;
@@ -212,6 +213,7 @@ static void condense(ancf_model* m) {
         const ancf_element* el = &m->element[e];
         mass->slope_flex[e] = 60.0 / (el->rho_a * el->length * el->length * el->length);
     }
+    for (int k = 0; k < 2 * m->n_elements; ++k) mass->from[k] = (m->at[k] & 1) * m->n_elements + (m->at[k] >> 1);
 }
 
 static void solve_factor(const ancf_mass* mass);
@@ -219,15 +221,15 @@ static void solve_factor(const ancf_mass* mass);
 // The inverse of a small matrix, column by column.
 static ancf_error invert(ancf_mass* mass) {
     if (mass->n > INVERT_UP_TO) return ANCF_OK;
-    mass->lanes = (mass->n + LANES - 1) / LANES * LANES;
-    mass->full = calloc((size_t)(mass->lanes * mass->lanes), sizeof *mass->full);
-    mass->load = calloc(6 * (size_t)mass->lanes, sizeof *mass->load);
+    mass->rows = (mass->n + ROWS - 1) / ROWS * ROWS;
+    mass->full = calloc((size_t)(mass->n * mass->rows), sizeof *mass->full);
+    mass->load = calloc(6 * (size_t)mass->rows, sizeof *mass->load);
     if (!mass->full || !mass->load) return ANCF_E_MEMORY;
     for (int j = 0; j < mass->n; ++j) {
         memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
         mass->rhs[j][0] = 1.0;
         solve_factor(mass);
-        for (int i = 0; i < mass->n; ++i) mass->full[j * mass->lanes + i] = mass->rhs[i][0];
+        for (int i = 0; i < mass->n; ++i) mass->full[j * mass->rows + i] = mass->rhs[i][0];
     }
     memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
     return ANCF_OK;
@@ -242,7 +244,8 @@ ancf_error ancf_mass_create(ancf_model* m, const double* added) {
     mass->row = calloc((size_t)m->stride, sizeof *mass->row);
     mass->slope_flex = calloc((size_t)m->n_elements, sizeof *mass->slope_flex);
     mass->push = calloc(6 * (size_t)m->n_elements, sizeof *mass->push);
-    if (!mass->inverse || !mass->added || !mass->own || !mass->row || !mass->slope_flex || !mass->push)
+    mass->from = calloc(2 * (size_t)m->n_elements, sizeof *mass->from);
+    if (!mass->inverse || !mass->added || !mass->own || !mass->row || !mass->slope_flex || !mass->push || !mass->from)
         return ANCF_E_MEMORY;
     if (added) memcpy(mass->added, added, (size_t)m->n_nodes * sizeof *added);
 
@@ -279,21 +282,30 @@ void ancf_mass_destroy(ancf_mass* mass) {
     free(mass->rhs);
     free(mass->slope_flex);
     free(mass->push);
+    free(mass->from);
     free(mass->full);
     free(mass->load);
     free(mass);
 }
 
-ANCF_CLONES double ancf_mass_kinetic(const ancf_model* m) {
+ANCF_CLONES double ancf_mass_kinetic_kept(const ancf_model* m, double last, double step) {
     double twice = 0.0;
     for (int c = 0; c < 3; ++c) {
-        const double *v = m->v + c * m->stride, *own = m->mass->own;
-        for (int i = 0; i < m->n_dof; ++i) twice += own[i] * v[i] * v[i];
+        const double *v = m->v + c * m->stride, *a = m->a + c * m->stride, *own = m->mass->own;
+#pragma omp simd reduction(+ : twice)
+        for (int i = 0; i < m->n_dof; ++i) {
+            const double mid = v[i] + 0.5 * last * a[i], half = 0.5 * step * a[i];
+            twice += own[i] * (mid * mid - half * half);
+        }
     }
     return 0.5 * twice;
 }
 
+double ancf_mass_kinetic(const ancf_model* m) { return ancf_mass_kinetic_kept(m, 0.0, 0.0); }
+
 double ancf_mass_added(const ancf_model* m, int node) { return m->mass->added[node]; }
+
+const double* ancf_mass_inverse(const ancf_model* m) { return m->mass->inverse; }
 
 bool ancf_mass_diagonal(const ancf_model* m) { return m->mass->diagonal; }
 
@@ -389,35 +401,92 @@ ANCF_CLONES static void slopes_follow(const ancf_model* m, double* acceleration,
     }
 }
 
-// y = A x for three right-hand sides, four columns at a time, so that sums go to memory a quarter as often.
-ANCF_CLONES static void multiply_full(double* restrict y, const double* restrict A, const double* restrict x,
-                                      int lanes) {
-    memset(y, 0, 3 * (size_t)lanes * sizeof *y);
-    for (int j = 0; j < lanes; j += 4)
-        for (int c = 0; c < 3; ++c) {
-            const double *a = A + j * lanes, *xc = x + c * lanes + j;
-            double* yc = y + c * lanes;
-            for (int i = 0; i < lanes; ++i)
-                yc[i] += (a[i] * xc[0] + a[lanes + i] * xc[1]) + (a[2 * lanes + i] * xc[2] + a[3 * lanes + i] * xc[3]);
+typedef double four __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
+
+// y = A x for three right-hand sides, n columns: ROWS rows at a time, whose sums stay in nine registers.
+ANCF_CLONES static void multiply_full(double* restrict y, const double* restrict A, const double* restrict x, int n,
+                                      int rows) {
+    for (int i = 0; i < rows; i += ROWS) {
+        four sum[3][3] = {{{0.0}}};
+        for (int j = 0; j < n; ++j) {
+            const double* a = A + j * rows + i;
+            const four a0 = *(const four*)a, a1 = *(const four*)(a + 4), a2 = *(const four*)(a + 8);
+            for (int c = 0; c < 3; ++c) {
+                const double load = x[c * rows + j];
+                sum[0][c] += a0 * load;
+                sum[1][c] += a1 * load;
+                sum[2][c] += a2 * load;
+            }
         }
+        for (int k = 0; k < 3; ++k)
+            for (int c = 0; c < 3; ++c) *(four*)(y + c * rows + i + 4 * k) = sum[k][c];
+    }
+}
+
+// Where a row's right-hand side stands, and then the solution: x, y and z `apart`.
+typedef struct {
+    double *load, *answer;
+    int each, apart;
+} nodes_rhs;
+
+static nodes_rhs rhs_of(const ancf_mass* mass) {
+    double* side = mass->rows ? mass->load : (double*)mass->rhs;
+    return mass->rows ? (nodes_rhs) {side, side + 3 * mass->rows, 1, mass->rows} : (nodes_rhs) {side, side, 4, 1};
 }
 
 static void solve_nodes(const ancf_mass* mass) {
-    if (!mass->lanes) {
-        solve_factor(mass);
-        return;
+    if (mass->rows) multiply_full(mass->load + 3 * mass->rows, mass->full, mass->load, mass->n, mass->rows);
+    else solve_factor(mass);
+}
+
+// Forces of the nodes, with those that the slopes pass on.
+ANCF_CLONES static void load_nodes(const ancf_model* m, const double* force) {
+    const ancf_mass* mass = m->mass;
+    const int n = m->n_elements, s = m->stride, *row = mass->row, *from = mass->from, *first = m->first;
+    const double *x = mass->push, *y = x + 2 * n, *z = y + 2 * n;
+    const nodes_rhs rhs = rhs_of(mass);
+    for (int i = 0; i < m->n_nodes; ++i) {
+        if (row[i] < 0) continue;
+        double *sum = rhs.load + row[i] * rhs.each, sum_x = force[i], sum_y = force[s + i], sum_z = force[2 * s + i];
+        for (int k = first[i]; k < first[i + 1]; ++k) {
+            sum_x += x[from[k]];
+            sum_y += y[from[k]];
+            sum_z += z[from[k]];
+        }
+        sum[0] = sum_x;
+        sum[rhs.apart] = sum_y;
+        sum[2 * rhs.apart] = sum_z;
     }
-    double *x = mass->load, *y = x + 3 * mass->lanes;
-    for (int i = 0; i < mass->n; ++i)
-        for (int c = 0; c < 3; ++c) x[c * mass->lanes + i] = mass->rhs[i][c];
-    multiply_full(y, mass->full, x, mass->lanes);
-    for (int i = 0; i < mass->n; ++i)
-        for (int c = 0; c < 3; ++c) mass->rhs[i][c] = y[c * mass->lanes + i];
+}
+
+// The nodes' accelerations, and for each element those of its ends.
+ANCF_CLONES static void unload_nodes(const ancf_model* m, double* acceleration) {
+    const ancf_mass* mass = m->mass;
+    const int n = m->n_elements, s = m->stride, *row = mass->row, *ends = m->ends;
+    double *a = acceleration, *b = a + s, *c = b + s, *x = mass->push, *y = x + 2 * n, *z = y + 2 * n;
+    const nodes_rhs rhs = rhs_of(mass);
+    for (int i = 0; i < m->n_nodes; ++i) {
+        if (row[i] < 0) continue;
+        const double* value = rhs.answer + row[i] * rhs.each;
+        a[i] = value[0];
+        b[i] = value[rhs.apart];
+        c[i] = value[2 * rhs.apart];
+    }
+    for (int e = 0; e < n; ++e) {
+        const int i = ends[2 * e], j = ends[2 * e + 1];
+        x[e] = a[i];
+        x[n + e] = a[j];
+        y[e] = b[i];
+        y[n + e] = b[j];
+        z[e] = c[i];
+        z[n + e] = c[j];
+    }
 }
 
 // Held nodes push on the others through the condensed matrix.
 static void subtract_held_nodes(const ancf_model* m, const double* acceleration) {
     const ancf_mass* mass = m->mass;
+    const nodes_rhs rhs = rhs_of(mass);
     for (int e = 0; e < m->n_elements; ++e) {
         const int* end = m->ends + 2 * e;
         if (!m->hold[end[0]] && !m->hold[end[1]]) continue;
@@ -427,32 +496,18 @@ static void subtract_held_nodes(const ancf_model* m, const double* acceleration)
             for (int j = 0; j < 2; ++j)
                 if (m->hold[end[j]] && mass->row[end[i]] >= 0)
                     for (int c = 0; c < 3; ++c)
-                        mass->rhs[mass->row[end[i]]][c] -= M[i][j] * acceleration[c * m->stride + end[j]];
+                        rhs.load[mass->row[end[i]] * rhs.each + c * rhs.apart] -=
+                            M[i][j] * acceleration[c * m->stride + end[j]];
     }
 }
 
 static void solve_condensed(const ancf_model* m, double* acceleration, const double* force) {
     const ancf_mass* mass = m->mass;
-    const int n = m->n_elements, s = m->stride;
     push_nodes(m, force);
-    for (int i = 0; i < m->n_nodes; ++i) {
-        const int r = mass->row[i];
-        if (r < 0) continue;
-        for (int c = 0; c < 3; ++c) {
-            double sum = force[c * s + i];
-            for (int k = m->first[i]; k < m->first[i + 1]; ++k)
-                sum += mass->push[(2 * c + (m->at[k] & 1)) * n + (m->at[k] >> 1)];
-            mass->rhs[r][c] = sum;
-        }
-    }
+    load_nodes(m, force);
     if (mass->held) subtract_held_nodes(m, acceleration);
     if (mass->n > 0) solve_nodes(mass);
-    for (int i = 0; i < m->n_nodes; ++i)
-        if (mass->row[i] >= 0)
-            for (int c = 0; c < 3; ++c) acceleration[c * s + i] = mass->rhs[mass->row[i]][c];
-    for (int c = 0; c < 3; ++c)
-        for (int e = 0; e < n; ++e)
-            for (int k = 0; k < 2; ++k) mass->push[(2 * c + k) * n + e] = acceleration[c * s + m->ends[2 * e + k]];
+    unload_nodes(m, acceleration);
     slopes_follow(m, acceleration, force);
 }
 

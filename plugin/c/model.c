@@ -1,7 +1,7 @@
 #include "ancf/model.h"
 #include "ancf/mass.h"
 #include "ancf/shape.h"
-#include "internal.h"
+#include "tile.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -76,20 +76,25 @@ static bool allocate(ancf_model* m) {
     m->hold = calloc((size_t)m->stride, sizeof *m->hold);
     m->shared = calloc(2 * e, sizeof *m->shared);
     m->is_held = calloc((size_t)m->stride, sizeof *m->is_held);
-    m->group = calloc(e, sizeof *m->group);
+    m->tile = calloc(e + 1, sizeof *m->tile);
+    m->seam = calloc(2 * e, sizeof *m->seam);
+    m->knots = calloc(n, sizeof *m->knots);
     m->first = calloc(n + 1, sizeof *m->first);
     m->at = calloc(2 * e, sizeof *m->at);
-    m->inv_length = calloc(4 * e, sizeof *m->inv_length);
+    m->sign = calloc(2 * e, sizeof *m->sign);
+    m->inv_length = calloc(5 * e, sizeof *m->inv_length);
     m->weight = calloc((size_t)m->stride, sizeof *m->weight);
     m->external = calloc(5 * field, sizeof *m->external);
-    m->scratch = calloc(9 * e, sizeof *m->scratch);
+    m->pull = calloc(3 * e, sizeof *m->pull);
     m->work = calloc(6 * field, sizeof *m->work);
-    if (!m->element || !m->ends || !m->next || !m->hold || !m->shared || !m->is_held || !m->group || !m->first ||
-        !m->at || !m->inv_length || !m->weight || !m->external || !m->scratch || !m->work)
+    if (!m->element || !m->ends || !m->next || !m->hold || !m->shared || !m->is_held || !m->tile || !m->seam ||
+        !m->knots || !m->first || !m->at || !m->sign || !m->inv_length || !m->weight || !m->external || !m->pull ||
+        !m->work)
         return false;
     m->ea_length = m->inv_length + e;
     m->ei_length = m->ea_length + e;
     m->damping = m->ei_length + e;
+    m->goes_on = m->damping + e;
     m->held = m->external + field;
     m->f = m->held + field;
     m->a = m->f + field;
@@ -125,20 +130,6 @@ static void list_places(ancf_model* m) {
         if (m->hold[i]) m->is_held[m->n_held++] = i;
 }
 
-static void make_groups(ancf_model* m) {
-    for (int e = 0; e < m->n_elements; ++e) {
-        const ancf_element* el = &m->element[e];
-        const ancf_group g = {.begin = e,
-                              .end = e + 1,
-                              .kind = el->kind & ~ANCF_LUMPED,
-                              .bending = el->ei > 0.0,
-                              .damped = el->damping > 0.0};
-        ancf_group* last = m->n_groups ? &m->group[m->n_groups - 1] : NULL;
-        if (last && last->kind == g.kind && last->bending == g.bending && last->damped == g.damped) last->end = e + 1;
-        else m->group[m->n_groups++] = g;
-    }
-}
-
 // Which element ends meet at a node, in the order of the elements: the order of all sums.
 static void find_ends(ancf_model* m) {
     for (int k = 0; k < 2 * m->n_elements; ++k) m->first[m->ends[k] + 1]++;
@@ -147,6 +138,7 @@ static void find_ends(ancf_model* m) {
     for (int k = 0; k < 2 * m->n_elements; ++k) m->at[fill[m->ends[k]]++] = k;
     for (int i = m->n_nodes; i > 0; --i) m->first[i] = m->first[i - 1];
     m->first[0] = 0;
+    for (int k = 0; k < 2 * m->n_elements; ++k) m->sign[k] = m->at[k] & 1 ? 1.0 : -1.0;
 }
 
 // Gravity acts on the true curve, so that a cable sags the same however its mass is lumped.
@@ -189,16 +181,17 @@ ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x,
     if (!error) {
         copy_elements(m, def);
         list_places(m);
-        make_groups(m);
         find_ends(m);
-        ancf_axial_rules(m->axial_exact, m->axial_reduced);
         error = ancf_mass_create(m, def->mass);
+    }
+    if (!error) {
+        weigh(m);
+        if (!ancf_tiles_make(m)) error = ANCF_E_MEMORY;
     }
     if (error) {
         ancf_model_destroy(m);
         return error;
     }
-    weigh(m);
     *model = m;
     return ANCF_OK;
 }
@@ -212,13 +205,16 @@ void ancf_model_destroy(ancf_model* m) {
     free(m->hold);
     free(m->shared);
     free(m->is_held);
-    free(m->group);
+    free(m->tile);
+    free(m->seam);
+    free(m->knots);
     free(m->first);
     free(m->at);
+    free(m->sign);
     free(m->inv_length);
     free(m->weight);
     free(m->external);
-    free(m->scratch);
+    free(m->pull);
     free(m->work);
     free(m);
 }

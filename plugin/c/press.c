@@ -300,7 +300,6 @@ static double press_through(ancf_table* t, const ancf_contact_group* g, double s
         c->speed = ancf_table_opening(t, c);
         if (substeps == 0) c->gap += step * c->speed;
         c->energy = ancf_normal_energy(&c->law, -c->gap);
-        ancf_table_going(c->going, t, c);
     }
     return left;
 }
@@ -312,6 +311,10 @@ double ancf_table_press(ancf_table* t, double step, int substeps) {
         int n = substeps;
         if (t->most > 0) n = (int)ceil((double)g->substeps * substeps / t->most);
         left = ancf_larger(left, press_through(t, g, step, n));
+    }
+    for (int k = 0; k < t->groups.contacts; ++k) { // other groups have moved them by rounding
+        ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
+        ancf_table_going(c->going, t, c);
     }
     return left;
 }

@@ -29,9 +29,7 @@ void CableEngine::noteEnergy(const ancf_time& time) {
     ancf_model* m = model.get();
     const bool leapfrog = integrator == "leapfrog";
     const Real last = leapfrog ? time.last : 0, next = leapfrog ? time.step : 0;
-    Real axial, bending;
-    ancf_elastic_energy(&axial, &bending, m, m->x, 0, nElements());
-    elasticAt = axial + bending;
+    elasticAt = m->elastic;
     heightAt = ancf_height(m);
     kineticAt = ancf_kinetic_kept(m, last, next);
     for (size_t i = 0; i < carryNodes.size(); ++i) {

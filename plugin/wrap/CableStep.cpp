@@ -116,6 +116,7 @@ void CableEngine::gatherForces() {
     const bool forces = anyForces(*scene);
     if (loaded) std::fill_n(model->external, position.size(), 0);
     loaded = !loadNodes.empty() || forces;
+    model->unloaded = !loaded;
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
     if (!forces) {
         std::fill(carriedForce.begin(), carriedForce.end(), Vector3r::Zero());
@@ -177,17 +178,20 @@ void CableEngine::action() {
     eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });
     holdNodes();
     gatherForces();
+    const bool alone = !touching.begin(*this, inside) && !scene->trackEnergy && integrator == "leapfrog";
     Real dampedBefore = 0; // the positions that the step starts from
     for (int k = 0; k < inside; ++k) {
         const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
-        ancf_predict(model.get(), &time);
+        if (!alone) ancf_predict(model.get(), &time);
         if (k == 0 && scene->trackEnergy) noteEnergy(time);
-        if (k == 0) touching.gather(*this, inside);
+        if (k == 0 && !alone) touching.gather(*this);
         touching.solve(*this, time, k, inside);
         if (integrator == "rk4") {
             if (touching.displacement())
                 refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
             ancf_rk4(model.get(), time.step);
+        } else if (alone) {
+            ancf_advance(model.get(), &time);
         } else {
             ancf_correct(model.get(), &time, touching.newVelocity(), touching.displacement());
         }

@@ -58,12 +58,12 @@ void CableEngine::checkScene() const {
 
 void CableEngine::checkBodies() const {
     const Scene& s = theScene();
-    const BodyContainer& bodies = *s.bodies;
-    const auto size = static_cast<Body::id_t>(bodies.size());
-    for (int e = 0; e < static_cast<int>(elementIds.size()); ++e) {
-        const Body::id_t id = elementIds[e];
-        if (id >= 0 && (id >= size || !bodies[id])) elementBody(e); // refuses
-    }
+    const auto size = static_cast<Body::id_t>(s.bodies->size());
+    const shared_ptr<Body>* bodies = size > 0 ? &(*s.bodies)[0] : nullptr; // one call, not one each
+    bool all = true;
+    for (const Body::id_t id : elementIds) all = all && (id < 0 || (id < size && bodies[id]));
+    for (int e = 0; e < static_cast<int>(elementIds.size()) && !all; ++e)
+        if (elementIds[e] >= 0) elementBody(e); // refuses one that is gone
     for (size_t i = 0; i < carryIds.size(); ++i)
         if (!s.bodies->exists(carryIds[i]))
             refuse(text("body ", carryIds[i], ", which node ", carryNodes[i],
