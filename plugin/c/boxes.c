@@ -1,6 +1,7 @@
 #include "ancf/boxes.h"
 #include "internal.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +23,7 @@ struct ancf_boxes {
     struct start {
         double low;
         int element;
-    } * order; // (n) by lower ends along x
+    } * order; // (n) by lower ends along an axis
     int n_meetings, room_meetings;
     ancf_meeting *meeting, *spare; // spare: for sorting
     int* count;                    // (n + 1)
@@ -181,9 +182,59 @@ static int by_start(const void* a, const void* b) {
                             : (p->element > q->element) - (p->element < q->element);
 }
 
-static void find_meetings_of(ancf_boxes* b, const ancf_model* m, int i, int n, bool* enough) {
+// Whether any two elements may touch.
+static bool any_may_meet(const ancf_boxes* b) {
+    int structure = -1;
+    for (int e = 0; e < b->n; ++e) {
+        const ancf_cover* c = &b->cover[e];
+        if (c->radius == 0.0) continue;
+        if (c->own || (structure >= 0 && c->structure != structure)) return true;
+        structure = c->structure;
+    }
+    return false;
+}
+
+static int order_along(ancf_boxes* b, int axis) {
+    int n = 0;
+    for (int e = 0; e < b->n; ++e)
+        if (b->cover[e].radius > 0.0) b->order[n++] = (struct start) {b->box[e].low[axis], e};
+    qsort(b->order, (size_t)n, sizeof *b->order, by_start);
+    return n;
+}
+
+// Boxes that overlap along an axis by which they are ordered, less the boxes themselves.
+static long crowd(const ancf_boxes* b, int axis, int n) {
+    long sum = 0;
+    for (int i = 0; i < n; ++i) {
+        const double high = b->box[b->order[i].element].high[axis];
+        int inside = i, outside = n;
+        while (outside - inside > 1) {
+            const int middle = inside + (outside - inside) / 2;
+            if (b->order[middle].low <= high) inside = middle;
+            else outside = middle;
+        }
+        sum += inside - i;
+    }
+    return sum;
+}
+
+// Orders the boxes along the axis on which fewest overlap: those of a flat net do so all along its normal.
+static int order_best(ancf_boxes* b, int* axis) {
+    long least = LONG_MAX;
+    int n = 0, last = 0;
+    for (int c = 0; c < 3; ++c) {
+        n = order_along(b, last = c);
+        const long pairs = crowd(b, c, n);
+        if (pairs >= least) continue;
+        least = pairs;
+        *axis = c;
+    }
+    return *axis == last ? n : order_along(b, *axis);
+}
+
+static void find_meetings_of(ancf_boxes* b, const ancf_model* m, int axis, int i, int n, bool* enough) {
     const int e = b->order[i].element;
-    for (int j = i + 1; j < n && b->order[j].low <= b->box[e].high[0]; ++j) {
+    for (int j = i + 1; j < n && b->order[j].low <= b->box[e].high[axis]; ++j) {
         const int f = b->order[j].element;
         if (overlap(&b->box[e], &b->box[f]) && may_meet(b, m, e, f) && !add_meeting(b, e, f)) *enough = false;
     }
@@ -191,16 +242,14 @@ static void find_meetings_of(ancf_boxes* b, const ancf_model* m, int i, int n, b
 
 int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
     memcpy(b->reference, m->x, 3 * (size_t)m->stride * sizeof *m->x);
-    int n = 0;
-    for (int e = 0; e < b->n; ++e) {
-        if (b->cover[e].radius == 0.0) continue;
-        ancf_boxes_of(&b->box[e], b, m, e);
-        b->order[n++] = (struct start) {b->box[e].low[0], e};
-    }
-    qsort(b->order, (size_t)n, sizeof *b->order, by_start);
+    for (int e = 0; e < b->n; ++e)
+        if (b->cover[e].radius > 0.0) ancf_boxes_of(&b->box[e], b, m, e);
     b->n_meetings = 0;
+    if (!any_may_meet(b)) return 0;
+    int axis = 0;
+    const int n = order_best(b, &axis);
     bool enough = true;
-    for (int i = 0; i < n && enough; ++i) find_meetings_of(b, m, i, n, &enough);
+    for (int i = 0; i < n && enough; ++i) find_meetings_of(b, m, axis, i, n, &enough);
     if (!enough) return -1;
     if (b->n_meetings == 0) return 0;
     sort(b->spare, b->meeting, b, true);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 namespace yade {
 
@@ -63,6 +64,7 @@ void CableEngine::postSave(CableEngine&) {
 void CableEngine::postLoad(CableEngine&) {
     normalKind = choose("normal", normal, {"linear", "hertz", "nonlinear"});
     frictionKind = choose("friction", friction, {"none", "coulomb", "hollars"});
+    standsFor.clear();
     changed();
     if (crossPairs.empty()) return;
     touching.remember(crossPairs, crossValues);
@@ -99,16 +101,17 @@ namespace {
     }
 } // namespace
 
-py::tuple CableEngine::add(const vector<Vector3r>& nodes, const vector<Vector3r>& slopes, const vector<int>& newEnds,
+py::tuple CableEngine::add(const vector<Real>& nodes, const vector<Real>& slopes, const vector<int>& newEnds,
                            const vector<int>& newNext, int newKind, const vector<Real>& newLength, Real newEa,
                            Real newEi, Real newRhoA, Real newDamping) {
-    const int firstNode = nNodes, firstElement = nElements(), n = static_cast<int>(nodes.size()),
+    const int firstNode = nNodes, firstElement = nElements(), n = static_cast<int>(nodes.size()) / 3,
               e = static_cast<int>(newLength.size());
-    if (n < 2 || e < 1 || slopes.size() != 2 * newLength.size() || newEnds.size() != slopes.size() ||
-        newNext.size() != newLength.size())
-        throw std::invalid_argument(text("CableEngine.add: ", n, " nodes and ", e, " lengths need ", 2 * e,
-                                         " slopes and ends and ", e, " next; got ", slopes.size(), ", ", newEnds.size(),
-                                         " and ", newNext.size()));
+    if (n < 2 || nodes.size() % 3 != 0 || e < 1 || slopes.size() != 6 * newLength.size() ||
+        newEnds.size() != 2 * newLength.size() || newNext.size() != newLength.size())
+        throw std::invalid_argument(text("CableEngine.add: ", e,
+                                         " lengths need 3 numbers for each of 2 nodes at least, ", 6 * e,
+                                         " of slopes, ", 2 * e, " ends and ", e, " next; got ", nodes.size(), ", ",
+                                         slopes.size(), ", ", newEnds.size(), " and ", newNext.size()));
     vector<ancf_element> elements;
     for (const Real l : newLength) elements.push_back({newKind, l, newEa, newEi, newRhoA, newDamping});
 
@@ -116,19 +119,20 @@ py::tuple CableEngine::add(const vector<Vector3r>& nodes, const vector<Vector3r>
     vector<Real> x = widen(position, nNodes, firstElement, allNodes, all),
                  v = widen(velocity, nNodes, firstElement, allNodes, all);
     for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < n; ++i) x[c * stride + firstNode + i] = nodes[i][c];
+        for (int i = 0; i < n; ++i) x[c * stride + firstNode + i] = nodes[3 * i + c];
         for (int i = 0; i < e; ++i) {
-            x[c * stride + allNodes + firstElement + i] = slopes[2 * i][c];
-            x[c * stride + allNodes + all + firstElement + i] = slopes[2 * i + 1][c];
+            x[c * stride + allNodes + firstElement + i] = slopes[6 * i + c];
+            x[c * stride + allNodes + all + firstElement + i] = slopes[6 * i + 3 + c];
         }
     }
     // The new part alone, to refuse it before it is in.
     const ancf_def def = {n, e, elements.data(), newEnds.data(), newNext.data(), nullptr, nullptr};
     vector<Real> newX(3 * static_cast<size_t>(ancf_stride(n, e)), 0), newV = newX;
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < n; ++i) newX[c * ancf_stride(n, e) + i] = nodes[i][c];
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < e; ++i) newX[c * ancf_stride(n, e) + n + i] = slopes[2 * i].sum() + slopes[2 * i + 1].sum();
+    for (int c = 0; c < 3; ++c) {
+        Real* block = newX.data() + c * ancf_stride(n, e);
+        for (int i = 0; i < n; ++i) block[i] = nodes[3 * i + c];
+        for (int i = 0; i < e; ++i) block[n + i] = slopes[6 * i + c] + slopes[6 * i + 3 + c];
+    }
     ancf_model* trial = nullptr;
     int where = 0;
     const ancf_error error = ancf_model_create(&trial, &def, newX.data(), newV.data(), &where);
@@ -262,9 +266,59 @@ void CableEngine::load(int node, const Vector3r& force) {
 }
 
 int CableEngine::tied(int node) const {
-    for (size_t i = 0; i < tiedNodes.size(); ++i)
-        if (tiedNodes[i] == node) return tied(tiedTo[i]);
+    checkNode(node, "tied");
+    const bool none = standsFor.empty();
+    for (int i = static_cast<int>(standsFor.size()); i < nNodes; ++i) standsFor.push_back(i);
+    for (size_t i = 0; none && i < tiedNodes.size(); ++i) standsFor[tiedNodes[i]] = tiedTo[i];
+    while (standsFor[node] != node) node = standsFor[node] = standsFor[standsFor[node]];
     return node;
+}
+
+vector<int> CableEngine::elementsAt(int node) const {
+    vector<int> found;
+    for (int e = 0; e < nElements(); ++e)
+        if (ends[2 * e] == node || ends[2 * e + 1] == node) found.push_back(e);
+    return found;
+}
+
+void CableEngine::checkRange(const char* what, int first, int n, int all) const {
+    if (first < 0 || n < 0 || first > all - n)
+        throw std::out_of_range(text("CableEngine: ", n, " ", what, " from ", first, " on: there are ", all));
+}
+
+py::object CableEngine::state(int firstNode, int nodes, int firstElement, int elements) const {
+    checkRange("nodes", firstNode, nodes, nNodes);
+    checkRange("elements", firstElement, elements, nElements());
+    const size_t size = 3 * (static_cast<size_t>(nodes) + 2 * static_cast<size_t>(elements)) * sizeof(Real);
+    const py::object bytes(py::handle<>(PyByteArray_FromStringAndSize(nullptr, static_cast<Py_ssize_t>(size))));
+    char* to = PyByteArray_AS_STRING(bytes.ptr());
+    const auto give = [&](int place) {
+        const Vector3r value = nodeOf(position.data(), getStride(), place);
+        std::memcpy(to, value.data(), 3 * sizeof(Real));
+        to += 3 * sizeof(Real);
+    };
+    for (int i = 0; i < nodes; ++i) give(tied(firstNode + i));
+    for (int e = firstElement; e < firstElement + elements; ++e) {
+        give(nNodes + e);
+        give(nNodes + nElements() + e);
+    }
+    return bytes;
+}
+
+void CableEngine::setVelocities(int firstNode, const vector<Real>& nodes, int firstElement,
+                                const vector<Real>& slopes) {
+    if (nodes.size() % 3 != 0 || slopes.size() % 6 != 0)
+        throw std::invalid_argument(text("CableEngine.setVelocities: ", nodes.size(), " numbers of nodes and ",
+                                         slopes.size(), " of slopes: must be 3 a node and 6 an element"));
+    const int n = static_cast<int>(nodes.size() / 3), e = static_cast<int>(slopes.size() / 6), stride = getStride();
+    checkRange("nodes", firstNode, n, nNodes);
+    checkRange("elements", firstElement, e, nElements());
+    for (int i = 0; i < n; ++i)
+        setNode(velocity.data(), stride, tied(firstNode + i),
+                Vector3r(nodes[3 * i], nodes[3 * i + 1], nodes[3 * i + 2]));
+    for (int i = 0; i < 2 * e; ++i)
+        setNode(velocity.data(), stride, nNodes + (i % 2) * nElements() + firstElement + i / 2,
+                Vector3r(slopes[3 * i], slopes[3 * i + 1], slopes[3 * i + 2]));
 }
 
 void CableEngine::tie(int node, int other) {
@@ -284,6 +338,7 @@ void CableEngine::tie(int node, int other) {
         if (loaded == other) loaded = node;
     tiedNodes.push_back(other);
     tiedTo.push_back(node);
+    standsFor[other] = node;
     changed();
 }
 

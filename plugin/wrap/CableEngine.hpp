@@ -28,6 +28,7 @@ class CableEngine : public GlobalEngine {
 
     std::unique_ptr<ancf_model, ModelDeleter> model;
     CableContacts touching;
+    mutable vector<int> standsFor; // (nodes) one nearer to that which stands for it, itself if it is that; see tied()
     vector<int> carrierOfBody;     // (bodies) number in carryNodes of a body that is centred on its knot, or -1
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
     bool anyCoupled = false;
@@ -47,6 +48,7 @@ class CableEngine : public GlobalEngine {
     int carrierOf(Body::id_t id) const { return carrierOfBody[id]; }
     void setCarryReaction(size_t i, const Vector3r& touched);
     void checkNode(int node, const char* what) const;
+    void checkRange(const char* what, int first, int n, int all) const;
     void checkUnclaimed(int node) const;
     void changed();
     void makeModel();
@@ -74,7 +76,7 @@ public:
     void postSave(CableEngine&);
     void postLoad(CableEngine&);
 
-    py::tuple add(const vector<Vector3r>& nodes, const vector<Vector3r>& slopes, const vector<int>& newEnds,
+    py::tuple add(const vector<Real>& nodes, const vector<Real>& slopes, const vector<int>& newEnds,
                   const vector<int>& newNext, int newKind, const vector<Real>& newLength, Real newEa, Real newEi,
                   Real newRhoA, Real newDamping);
     void cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const vector<int>& runs,
@@ -88,6 +90,9 @@ public:
     void tie(int node, int other);
     void release(int node);
     int tied(int node) const;
+    vector<int> elementsAt(int node) const;
+    py::object state(int firstNode, int nodes, int firstElement, int elements) const;
+    void setVelocities(int firstNode, const vector<Real>& nodes, int firstElement, const vector<Real>& slopes);
     Vector3r point(int element, Real xi);
     Vector3r pointVelocity(int element, Real xi);
     Real tension(int element, Real xi);
@@ -165,7 +170,7 @@ public:
         .add_property("coupled", &CableEngine::coupled, "Carries a body off its centre or on a guide, which allows no sub-steps.")
         .add_property("asleep", &CableEngine::asleep, "Elements whose bodies are far from everything: nothing is computed for their contact.")
         .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping")),
-             "Adds a cable: nodes (n Vector3 [m]), slopes (2 e Vector3), ends (2 e node numbers) and next (e) counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
+             "Adds a cable: nodes (3 n, place after place [m]), slopes (6 e, start and end of each element), ends (2 e node numbers) and next (e) counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
         .def("cover", &CableEngine::cover, (py::arg("first"), py::arg("radius"), py::arg("segments"), py::arg("points"), py::arg("selfContact"), py::arg("run"), py::arg("arc"), py::arg("closed")),
              "Tells of the elements from `first` on, a cable or net added last, what they show to the outside: run (numbers counted from 0), arc [m] and closed [m] have one value each. ValueError on bad values.")
         .def("addBodies", &CableEngine::addBodies, (py::arg("first"), py::arg("ids")), "Bodies of the elements from `first` on, of shape CableElement.")
@@ -177,6 +182,11 @@ public:
         .def("tie", &CableEngine::tie, (py::arg("node"), py::arg("other")), "Makes two nodes one, the first.")
         .def("release", &CableEngine::release, (py::arg("node")), "Frees a node from fix, follow and load.")
         .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
+        .def("elementsAt", &CableEngine::elementsAt, (py::arg("node")), "Elements that meet at a node.")
+        .def("state", &CableEngine::state, (py::arg("firstNode"), py::arg("nodes"), py::arg("firstElement"), py::arg("elements")),
+             "So many nodes from one on, each where the one is that stands for it [m], and the slopes of so many elements, start and end of each [-]: 3 numbers each, as bytes for numpy.frombuffer.")
+        .def("setVelocities", &CableEngine::setVelocities, (py::arg("firstNode"), py::arg("nodes"), py::arg("firstElement"), py::arg("slopes")),
+             "Sets velocities of nodes from one on [m/s] and rates of slopes from those of an element on, start and end of each [1/s]; 3 numbers each.")
         .def("point", &CableEngine::point, (py::arg("element"), py::arg("xi")), "Position [m].")
         .def("pointVelocity", &CableEngine::pointVelocity, (py::arg("element"), py::arg("xi")), "Velocity [m/s].")
         .def("tension", &CableEngine::tension, (py::arg("element"), py::arg("xi")), "Tension EA eps |r'|, damping included [N].")
