@@ -144,7 +144,8 @@ static ancf_error take_factor(ancf_model* m, const cholmod_factor* L) {
 
 static ancf_error factorise(ancf_model* m) {
     ancf_mass* mass = m->mass;
-    const size_t n = (size_t)mass->n, entries = 16 * (size_t)m->n_elements + (size_t)m->n_nodes;
+    // A half of each element's matrix and its diagonal.
+    const size_t n = (size_t)mass->n, entries = 10 * (size_t)m->n_elements + (size_t)m->n_nodes;
     ancf_error error = ANCF_E_FACTOR;
     cholmod_common common;
     cholmod_start(&common);

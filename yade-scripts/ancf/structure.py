@@ -365,12 +365,12 @@ class Structure:
     def _addElements(self, engine):
         lay, sec = self._layout, self.section
         return engine.add(
-            lay.nodes.ravel().tolist(),
-            lay.slopes.ravel().tolist(),
-            lay.ends.ravel().tolist(),
-            lay.next.tolist(),
+            np.ascontiguousarray(lay.nodes),
+            np.ascontiguousarray(lay.slopes),
+            lay.ends.astype(np.int32, order="C"),
+            lay.next.astype(np.int32),
             sec.kind,
-            lay.length.tolist(),
+            np.ascontiguousarray(lay.length),
             sec.ea,
             sec.ei,
             sec.rhoA,
@@ -394,26 +394,14 @@ class Structure:
             self._segments,
             self.contact == "points",
             self.selfContact,
-            np.repeat(first, count).tolist(),
-            (ahead[:-1] - np.repeat(ahead[first], count)).tolist(),
-            np.repeat(closed, count).tolist(),
+            np.repeat(first, count).astype(np.int32),
+            ahead[:-1] - np.repeat(ahead[first], count),
+            np.repeat(closed, count),
         )
         if self._contactPoints == 0:
             return
         material = _inContainer(self.section.material)
-        middles = self._points(self._state(), slice(None), 0.5)[:, 0].tolist()
-        bodies = []
-        for e, middle in enumerate(middles, self._first[1]):
-            body = wrapper.Body()
-            body.shape = wrapper.CableElement(element=e, family=self._family, radius=self.radius)
-            body.material = material
-            body.groupMask = self.mask | ELEMENTS
-            body.state.pos = body.state.refPos = Vector3(*middle)
-            body.state.mass = 0
-            body.state.blockedDOFs = "xyzXYZ"
-            bodies.append(body)
-        self.bodies = list(O.bodies.append(bodies))
-        engine.addBodies(self._first[1], self.bodies)
+        self.bodies = list(engine.addBodies(self._first[1], material, self.mask | ELEMENTS))
 
     # ---- conditions on knots ---------------------------------------------------------------------
 
@@ -507,8 +495,8 @@ class Structure:
         engine, state = self.engine, O.bodies[bodyId].state
         if state.vel.norm() > 0 or state.angVel.norm() > 0:
             arm = state.ori * Vector3(*at)
-            velocity = state.vel + state.angVel.cross(arm)
-            engine.setVelocities(self._first[0] + knot, list(velocity), 0, [])
+            velocity = np.array(list(state.vel + state.angVel.cross(arm)))
+            engine.setVelocities(self._first[0] + knot, velocity, 0, np.empty(0))
         engine.carry(self._node(knot), bodyId, Vector3(*at))
         _makeCarried(O.bodies[bodyId])
         self._attach(knot, bodyId)
@@ -628,7 +616,7 @@ class Structure:
 
     def _pushVelocity(self):
         if self._velocity is not None:
-            nodes, slopes = (v.ravel().tolist() for v in self._velocity)
+            nodes, slopes = (np.ascontiguousarray(v) for v in self._velocity)
             self.engine.setVelocities(self._first[0], nodes, self._first[1], slopes)
 
     def _state(self):
