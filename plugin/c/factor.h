@@ -26,4 +26,7 @@ struct ancf_mass {
     double* load;       // (6 x lanes) forces and accelerations of the nodes
 };
 
+// rhs = (L L^T)^-1 rhs; not where the matrix is diagonal.
+void ancf_mass_solve_rows(const ancf_mass* mass);
+
 #endif

@@ -194,8 +194,6 @@ static void condense(ancf_model* m) {
     }
 }
 
-static void solve_factor(const ancf_mass* mass);
-
 // The inverse of a small matrix, column by column.
 static ancf_error invert(ancf_mass* mass) {
     if (mass->n > INVERT_UP_TO) return ANCF_OK;
@@ -206,7 +204,7 @@ static ancf_error invert(ancf_mass* mass) {
     for (int j = 0; j < mass->n; ++j) {
         memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
         mass->rhs[j][0] = 1.0;
-        solve_factor(mass);
+        ancf_mass_solve_rows(mass);
         for (int i = 0; i < mass->n; ++i) mass->full[j * mass->lanes + i] = mass->rhs[i][0];
     }
     memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
@@ -287,7 +285,7 @@ ANCF_CLONES static void solve_diagonal(const ancf_model* m, double* acceleration
 }
 
 // L L^T x = b for three right-hand sides at once.
-ANCF_CLONES static void solve_factor(const ancf_mass* mass) {
+ANCF_CLONES void ancf_mass_solve_rows(const ancf_mass* mass) {
     double(*b)[4] = mass->rhs;
     const int *begin = mass->begin, *index = mass->index;
     const double *value = mass->value, *pivot = mass->pivot;
@@ -332,7 +330,7 @@ static void solve_consistent(const ancf_model* m, double* acceleration, const do
         for (int c = 0; c < 3; ++c) mass->rhs[r][c] = force[c * s + i];
     }
     if (mass->held) subtract_held(m, acceleration);
-    solve_factor(mass);
+    ancf_mass_solve_rows(mass);
     for (int i = 0; i < m->n_dof; ++i) {
         const int r = mass->row[i];
         if (r < 0) continue;
@@ -384,7 +382,7 @@ ANCF_CLONES static void multiply_full(double* restrict y, const double* restrict
 
 static void solve_nodes(const ancf_mass* mass) {
     if (!mass->lanes) {
-        solve_factor(mass);
+        ancf_mass_solve_rows(mass);
         return;
     }
     double *x = mass->load, *y = x + 3 * mass->lanes;

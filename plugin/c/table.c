@@ -1,5 +1,6 @@
 #include "table.h"
 
+#include "ancf/mass.h"
 #include "ancf/shape.h"
 #include "internal.h"
 #include "lever.h"
@@ -186,12 +187,29 @@ static bool make_sums(ancf_table* t) {
     return true;
 }
 
+// Of a knot on itself.
+static double own_effect(const ancf_place* p) {
+    double sum = 0.0;
+    for (int k = 0; k < p->response->n && k < 2; ++k) // an element's own nodes come first
+        for (int i = 0; i < 4; ++i)
+            if (p->dof[i] == p->response->dof[k]) sum += p->S[i] * answer(p, p->S, k);
+    return sum;
+}
+
+static bool any_contact(const ancf_table* t) {
+    for (int i = 0; i < t->n_contacts; ++i)
+        if (!t->contact[i].idle) return true;
+    return false;
+}
+
 // Rows of `effect`, each in the order in which its places were met.
 static ancf_error make_effects(ancf_table* t) {
     int count = 0;
     t->first[0] = 0;
+    t->alone = t->n_couplings > 0 && !any_contact(t);
     for (int i = 0; i < t->n_places; ++i) {
-        const int n = t->place[i].idle ? 0 : find_effects(t, i);
+        const int n = t->place[i].idle || t->alone ? 0 : find_effects(t, i);
+        if (t->alone && !t->place[i].idle) t->place[i].compliance = own_effect(&t->place[i]);
         int room[2] = {t->room_effect, t->room_effect};
         if (!ancf_reserve((void**)&t->other, &room[0], count + n, sizeof *t->other) ||
             !ancf_reserve((void**)&t->bend, &room[1], count + n, sizeof *t->bend) ||
@@ -276,6 +294,7 @@ static void start_contact(ancf_table* t, ancf_contact* c) {
 
 ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* velocity) {
     if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
+    t->model = m;
     t->guessed = false;
     for (int i = 0; i < t->n_places; ++i) {
         ancf_place* p = &t->place[i];
@@ -510,24 +529,56 @@ double ancf_owed(double before, const double late[3], const double changing[3]) 
     return before + 0.5 * ancf_dot(late, changing);
 }
 
-void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
-    ancf_lever_balance(t, step);
-    for (int i = 0; i < t->groups.contacts; ++i) twist_late(t, &t->contact[t->groups.list[ANCF_CONTACTS][i]]);
-    for (int i = 0; i < t->n_places; ++i) {
-        const ancf_place* p = &t->place[i];
-        if (p->idle) continue;
-        const double *J = p->impulse, *K = p->moment, *C = p->couple;
-        const bool bent = nonzero(C, 3);
-        if (!bent && !nonzero(J, 3)) continue;
-        for (int k = 0; k < p->response->n; ++k) {
-            const double dv = answer(p, p->S, k), du = bent ? answer(p, p->T, k) : 0.0;
-            const int dof = p->response->dof[k];
-            for (int c = 0; c < 3; c++) {
-                velocity[c * m->stride + dof] += dv * J[c] + du * C[c];
-                shift[c * m->stride + dof] += dv * (K[c] - step * J[c]);
-            }
+// What a place's impulses do, along its response.
+static void spread(const ancf_place* p, const ancf_model* m, double step, double* velocity, double* shift) {
+    const double *J = p->impulse, *K = p->moment, *C = p->couple;
+    const bool bent = nonzero(C, 3);
+    if (!bent && !nonzero(J, 3)) return;
+    for (int k = 0; k < p->response->n; ++k) {
+        const double dv = answer(p, p->S, k), du = bent ? answer(p, p->T, k) : 0.0;
+        const int dof = p->response->dof[k];
+        for (int c = 0; c < 3; c++) {
+            velocity[c * m->stride + dof] += dv * J[c] + du * C[c];
+            shift[c * m->stride + dof] += dv * (K[c] - step * J[c]);
         }
     }
+}
+
+// What they all do, by one solve each for velocity and shift.
+static void spread_all(const ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
+    const size_t size = 3 * (size_t)m->stride;
+    double *force = m->work, *late = force + size, *answer = late + size;
+    memset(m->work, 0, 4 * size * sizeof *m->work);
+    for (int i = 0; i < t->n_places; ++i) {
+        const ancf_place* p = &t->place[i];
+        for (int c = 0; c < 3 && !p->idle; c++)
+            for (int k = 0; k < 4; ++k) {
+                force[c * m->stride + p->dof[k]] += p->S[k] * p->impulse[c] + p->T[k] * p->couple[c];
+                late[c * m->stride + p->dof[k]] += p->S[k] * (p->moment[c] - step * p->impulse[c]);
+            }
+    }
+    for (int k = 0; k < 2; ++k) {
+        ancf_model_join(m, k ? late : force);
+        ancf_mass_solve(m, answer + (size_t)k * size, k ? late : force);
+    }
+    for (size_t i = 0; i < size; ++i) {
+        velocity[i] += answer[i];
+        shift[i] += answer[size + i];
+    }
+}
+
+void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
+    long entries = 0; // of responses; a solve goes through a few times as many as there are unknowns
+    ancf_lever_balance(t, step);
+    for (int i = 0; i < t->groups.contacts; ++i) twist_late(t, &t->contact[t->groups.list[ANCF_CONTACTS][i]]);
+    for (int i = 0; i < t->n_places; ++i)
+        if (!t->place[i].idle) entries += t->place[i].response->n;
+    if (entries > 8L * m->n_dof) {
+        spread_all(t, m, step, velocity, shift);
+        return;
+    }
+    for (int i = 0; i < t->n_places; ++i)
+        if (!t->place[i].idle) spread(&t->place[i], m, step, velocity, shift);
 }
 
 void ancf_table_forces(const ancf_table* t, const ancf_model* m, double time, double* force) {

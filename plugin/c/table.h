@@ -41,6 +41,7 @@ typedef struct {
 } ancf_drag;
 
 struct ancf_table {
+    const ancf_model* model; // that of the step
     ancf_responses* responses;
     int n_places, n_bodies, n_contacts, n_couplings;
     ancf_place* place;
@@ -55,6 +56,7 @@ struct ancf_table {
     ancf_bend* bend; // the same of slopes
     int room_first, room_effect;
     bool slopes; // any place takes couples
+    bool alone;  // couplings have no contact beside them: rows are empty
 
     // For prepare: places that use an unknown, as lists, and sums by place.
     int *head, *next; // (n_dof), (4 n_places)
