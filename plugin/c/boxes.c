@@ -16,7 +16,7 @@ struct ancf_boxes {
     double ahead;
     double* room;      // (n) [m]
     double* reference; // (3 x stride) state in which the boxes were set
-    double* rest;      // (3 x stride) zero
+    double* rest;      // (n_dof) zero
     double* lever;     // (n_dof) by how much an unknown moves a control point of the curve [-], [m]
     double* moved;     // (n_dof) from the reference, as control points move [m]
     ancf_box* box;     // (n)
@@ -46,7 +46,7 @@ ancf_error ancf_boxes_create(ancf_boxes** boxes, const ancf_model* m, const ancf
     b->reference = calloc(3 * (size_t)m->stride, sizeof *b->reference);
     b->lever = calloc((size_t)m->n_dof, sizeof *b->lever);
     b->moved = calloc((size_t)m->n_dof, sizeof *b->moved);
-    b->rest = calloc(3 * (size_t)m->stride, sizeof *b->rest);
+    b->rest = calloc((size_t)m->n_dof, sizeof *b->rest);
     b->box = calloc(n, sizeof *b->box);
     b->order = calloc(n, sizeof *b->order);
     b->count = calloc(n + 1, sizeof *b->count);
@@ -81,12 +81,12 @@ static double larger_end(const ancf_model* m, const double* field, int e) {
     return higher(field[dof[0]] + field[dof[1]], field[dof[2]] + field[dof[3]]);
 }
 
-// Largest component of a difference of fields at every unknown, as a way of control points.
+// Largest component of a difference of fields at every unknown, as a way of control points. Blocks of b may be one.
 ANCF_CLONES static void largest_ways(double* way, const double* a, const double* b, const double* lever, int n,
-                                     int stride) {
+                                     int stride, int stride_b) {
     for (int i = 0; i < n; ++i) {
-        const double x = fabs(a[i] - b[i]), y = fabs(a[stride + i] - b[stride + i]),
-                     z = fabs(a[2 * stride + i] - b[2 * stride + i]);
+        const double x = fabs(a[i] - b[i]), y = fabs(a[stride + i] - b[stride_b + i]),
+                     z = fabs(a[2 * stride + i] - b[2 * stride_b + i]);
         const double xy = x > y ? x : y;
         way[i] = lever[i] * (xy > z ? xy : z);
     }
@@ -113,7 +113,7 @@ double ancf_boxes_fastest(const ancf_model* m) {
 
 void ancf_boxes_plan(ancf_boxes* b, const ancf_model* m, double step, int steps, double ahead) {
     b->ahead = ahead;
-    largest_ways(b->moved, m->v, b->rest, b->lever, m->n_dof, m->stride);
+    largest_ways(b->moved, m->v, b->rest, b->lever, m->n_dof, m->stride, 0);
     for (int e = 0; e < b->n; ++e)
         b->room[e] = higher(0.25 * b->cover[e].radius, steps * step * larger_end(m, b->moved, e));
 }
@@ -258,7 +258,7 @@ int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
 }
 
 bool ancf_boxes_hold(const ancf_boxes* b, const ancf_model* m) {
-    largest_ways(b->moved, m->x, b->reference, b->lever, m->n_dof, m->stride);
+    largest_ways(b->moved, m->x, b->reference, b->lever, m->n_dof, m->stride, m->stride);
     const double *start = b->moved + m->n_nodes, *end = start + m->n_elements;
     bool hold = true;
     for (int e = 0; e < b->n; ++e) {

@@ -67,10 +67,10 @@ static void change(vectors less, const ancf_table* t, vectors impulse) {
     }
 }
 
-// Response of a coupling to an impulse on itself: (w + M^-1 - [a] I^-1 [a]) p, solved for p.
-static void solve_own(double p[3], const ancf_table* t, const ancf_coupling* c, const double v[3]) {
+// Inverse of the response of a coupling to an impulse on itself, w + M^-1 - [a] I^-1 [a]: rows. 0 where none.
+static void invert_own(double inverse[3][3], const ancf_table* t, const ancf_coupling* c) {
     const ancf_body* b = &t->body[c->body];
-    double A[3][3];
+    double A[3][3], det = 0.0;
     for (int j = 0; j < 3; j++) {
         double e[3] = {0.0, 0.0, 0.0}, twist[3], spin[3], column[3];
         e[j] = 1.0;
@@ -80,21 +80,18 @@ static void solve_own(double p[3], const ancf_table* t, const ancf_coupling* c, 
         for (int i = 0; i < 3; i++) A[i][j] = column[i] + b->along[i] * b->along[j];
         A[j][j] += b->inv_mass[j] + t->place[c->place].compliance;
     }
-    double cof[3], det = 0.0;
-    for (int j = 0; j < 3; j++) {
-        const int k = (j + 1) % 3, l = (j + 2) % 3;
-        cof[j] = A[1][k] * A[2][l] - A[1][l] * A[2][k];
-        det += A[0][j] * cof[j];
-    }
-    for (int i = 0; i < 3; i++) { // Cramer; A is symmetric
-        const int k = (i + 1) % 3, l = (i + 2) % 3;
-        double sum = 0.0;
+    for (int i = 0; i < 3; i++) // Cramer; A is symmetric
         for (int j = 0; j < 3; j++) {
-            const int m = (j + 1) % 3, n = (j + 2) % 3;
-            sum += (A[k][m] * A[l][n] - A[k][n] * A[l][m]) * v[j];
+            const int k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
+            inverse[i][j] = A[k][m] * A[l][n] - A[k][n] * A[l][m];
         }
-        p[i] = det > 0.0 ? sum / det : 0.0;
-    }
+    for (int j = 0; j < 3; j++) det += A[0][j] * inverse[0][j];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) inverse[i][j] = det > 0.0 ? inverse[i][j] / det : 0.0;
+}
+
+static void solve_own(double p[3], vectors inverse, const double v[3]) {
+    for (int i = 0; i < 3; i++) p[i] = ancf_dot(inverse[i], v);
 }
 
 static double inner(vectors a, vectors b, int n) {
@@ -131,9 +128,10 @@ static double noise(const ancf_table* t) {
 }
 
 // Conjugate gradients, every coupling's own response as the preconditioner. Adds to `impulse` what makes up for r.
-static void solve_all(vectors impulse, const ancf_table* t, vectors r, vectors p, vectors other, double enough) {
+static void solve_all(vectors impulse, const ancf_table* t, vectors r, vectors p, vectors other, vectors own,
+                      double enough) {
     const int n = t->n_couplings;
-    for (int i = 0; i < n; ++i) solve_own(p[i], t, &t->coupling[i], r[i]);
+    for (int i = 0; i < n; ++i) solve_own(p[i], own + 3 * i, r[i]);
     double product = inner(r, p, n);
     for (int round = 0; round < ROUNDS && product > 0.0; ++round) {
         change(other, t, p);
@@ -144,7 +142,7 @@ static void solve_all(vectors impulse, const ancf_table* t, vectors r, vectors p
                 r[i][k] -= length * other[i][k];
             }
         if (!(length > 0.0) || inner(r, r, n) <= enough) return;
-        for (int i = 0; i < n; ++i) solve_own(other[i], t, &t->coupling[i], r[i]);
+        for (int i = 0; i < n; ++i) solve_own(other[i], own + 3 * i, r[i]);
         const double next = inner(r, other, n), part = next / product;
         for (int i = 0; i < n; ++i)
             for (int k = 0; k < 3; k++) p[i][k] = other[i][k] + part * p[i][k];
@@ -155,15 +153,16 @@ static void solve_all(vectors impulse, const ancf_table* t, vectors r, vectors p
 void ancf_table_couple(ancf_table* t, double rest) {
     const int n = t->n_couplings;
     if (n == 0) return;
-    vectors r = t->scratch, p = r + n, other = p + n, impulse = other + n;
+    vectors r = t->scratch, p = r + n, other = p + n, impulse = other + n, own = impulse + n;
     double enough = INFINITY;
+    for (int i = 0; i < n; ++i) invert_own(own + 3 * i, t, &t->coupling[i]);
     for (int pass = 0; pass < PASSES; ++pass) { // more than one where rounding has let r drift
         for (int i = 0; i < n; ++i) miss(t, &t->coupling[i], r[i]);
         const double missing = inner(r, r, n);
         if (pass == 0) enough = fmax(tolerance * tolerance * missing, noise(t));
         if (missing <= enough) return;
         memset(impulse, 0, (size_t)n * sizeof *impulse);
-        solve_all(impulse, t, r, p, other, enough);
+        solve_all(impulse, t, r, p, other, own, enough);
         give_all(t, impulse, other, rest);
     }
 }

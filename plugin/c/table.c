@@ -165,7 +165,7 @@ static bool make_room(ancf_table* t) {
     return ancf_reserve((void**)&t->first, &t->room_first, n + 1, sizeof *t->first) &&
            ancf_reserve((void**)&t->next, &t->room_next, 4 * n, sizeof *t->next) &&
            ancf_reserve((void**)&t->stiffness, &t->room_stiffness, n + t->n_bodies, sizeof *t->stiffness) &&
-           ancf_reserve((void**)&t->scratch, &t->room_scratch, 4 * t->n_couplings, sizeof *t->scratch) &&
+           ancf_reserve((void**)&t->scratch, &t->room_scratch, 7 * t->n_couplings, sizeof *t->scratch) &&
            ancf_reserve((void**)&t->push, &t->room_push, t->n_contacts, sizeof *t->push) &&
            ancf_reserve((void**)&t->drag, &t->room_drag, t->n_contacts, sizeof *t->drag) &&
            ancf_reserve((void**)&t->rubbing, &t->room_rubbing, t->n_contacts, sizeof *t->rubbing) &&

@@ -78,7 +78,7 @@ struct ancf_table {
     int room_rubbing, room_part, room_first_on, room_next_on, room_effects;
     double newton[ANCF_NEWTON_ROOM];
     int most;             // sub-steps of the group that needs most; -1: not asked
-    double (*scratch)[3]; // (4 n_couplings) for conjugate gradients
+    double (*scratch)[3]; // (7 n_couplings) for conjugate gradients
     int room_scratch;
     double (*slip)[3]; // (n_contacts) before friction [m/s]
     int room_slip;
