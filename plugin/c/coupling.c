@@ -1,6 +1,6 @@
 // Knots that go on together with points of bodies: conjugate gradients on the impulses between them. What these do to
-// the knots comes from the sparse factor of the mass matrix, what they do to the bodies from these, so that a round
-// costs no more than a solve; only what is found is given to the table.
+// the knots comes from the sparse factor of the mass matrix if there are many, else from what places do to one another;
+// only what is found is given to the table.
 #include "factor.h"
 #include "table.h"
 
@@ -26,7 +26,19 @@ static int knot_of(const ancf_table* t, const ancf_coupling* c) {
     return p->dof[p->xi > 0.5 ? 2 : 0];
 }
 
-// Velocities of the knots by impulses on all of them; each carries one body.
+// Velocities of the knots by impulses on all of them, by what places do to one another.
+static void answer_of_places(vectors v, const ancf_table* t, vectors impulse) {
+    const int n = t->n_couplings;
+    for (int i = 0; i < n; ++i) memset(t->place[t->coupling[i].place].pushed, 0, sizeof t->place->pushed);
+    for (int i = 0; i < n; ++i) {
+        const int place = t->coupling[i].place;
+        for (int e = t->first[place]; e < t->first[place + 1]; ++e)
+            for (int k = 0; k < 3; k++) t->place[t->other[e]].pushed[k] += t->effect[e] * impulse[i][k];
+    }
+    for (int i = 0; i < n; ++i) memcpy(v[i], t->place[t->coupling[i].place].pushed, sizeof v[i]);
+}
+
+// The same by the factor; each knot carries one body.
 static void answer_of_knots(vectors v, const ancf_table* t, vectors impulse) {
     const ancf_mass* mass = t->model->mass;
     const int n = t->n_couplings;
@@ -48,7 +60,8 @@ static void answer_of_knots(vectors v, const ancf_table* t, vectors impulse) {
 
 // By how much impulses between knots and bodies change what is missing, less of it being more.
 static void change(vectors less, const ancf_table* t, vectors impulse) {
-    answer_of_knots(less, t, impulse);
+    if (t->factored) answer_of_knots(less, t, impulse);
+    else answer_of_places(less, t, impulse);
     for (int i = 0; i < t->n_couplings; ++i) memset(t->body[t->coupling[i].body].pushed, 0, sizeof t->body->pushed);
     for (int i = 0; i < t->n_couplings; ++i) {
         const ancf_coupling* c = &t->coupling[i];

@@ -1,7 +1,7 @@
 #include "table.h"
 
-#include "ancf/mass.h"
 #include "ancf/shape.h"
+#include "factor.h"
 #include "internal.h"
 #include "lever.h"
 
@@ -196,6 +196,12 @@ static double own_effect(const ancf_place* p) {
     return sum;
 }
 
+// A solve goes through a few times as many entries as there are rows, places through up to all of one another.
+static bool factor_is_faster(const ancf_table* t) {
+    const ancf_mass* mass = t->model->mass;
+    return mass->diagonal || (long)t->n_couplings * t->n_couplings > 4L * mass->n;
+}
+
 static bool any_contact(const ancf_table* t) {
     for (int i = 0; i < t->n_contacts; ++i)
         if (!t->contact[i].idle) return true;
@@ -206,7 +212,8 @@ static bool any_contact(const ancf_table* t) {
 static ancf_error make_effects(ancf_table* t) {
     int count = 0;
     t->first[0] = 0;
-    t->alone = t->n_couplings > 0 && !any_contact(t);
+    t->factored = t->n_couplings > 0 && factor_is_faster(t);
+    t->alone = t->factored && !any_contact(t);
     for (int i = 0; i < t->n_places; ++i) {
         const int n = t->place[i].idle || t->alone ? 0 : find_effects(t, i);
         if (t->alone && !t->place[i].idle) t->place[i].compliance = own_effect(&t->place[i]);

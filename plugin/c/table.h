@@ -55,8 +55,8 @@ struct ancf_table {
     double* effect;
     ancf_bend* bend; // the same of slopes
     int room_first, room_effect;
-    bool slopes; // any place takes couples
-    bool alone;  // couplings have no contact beside them: rows are empty
+    bool slopes;          // any place takes couples
+    bool factored, alone; // couplings are so many that the factor answers sooner; and have no contact: no rows are made
 
     // For prepare: places that use an unknown, as lists, and sums by place.
     int *head, *next; // (n_dof), (4 n_places)
