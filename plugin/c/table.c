@@ -551,26 +551,25 @@ static void spread(const ancf_place* p, const ancf_model* m, double step, double
     }
 }
 
-// What they all do, by one solve each for velocity and shift.
+// What they all do, by one solve for the velocity and one for the shift, in the first two fields of m->work: what
+// damping takes out of this step stands in those behind.
 static void spread_all(const ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
     const size_t size = 3 * (size_t)m->stride;
-    double *force = m->work, *late = force + size, *answer = late + size;
-    memset(m->work, 0, 4 * size * sizeof *m->work);
-    for (int i = 0; i < t->n_places; ++i) {
-        const ancf_place* p = &t->place[i];
-        for (int c = 0; c < 3 && !p->idle; c++)
-            for (int k = 0; k < 4; ++k) {
-                force[c * m->stride + p->dof[k]] += p->S[k] * p->impulse[c] + p->T[k] * p->couple[c];
-                late[c * m->stride + p->dof[k]] += p->S[k] * (p->moment[c] - step * p->impulse[c]);
+    double *force = m->work, *answer = force + size;
+    for (int late = 0; late < 2; ++late) {
+        double* field = late ? shift : velocity;
+        memset(force, 0, 2 * size * sizeof *force);
+        for (int i = 0; i < t->n_places; ++i) {
+            const ancf_place* p = &t->place[i];
+            for (int c = 0; c < 3 && !p->idle; c++) {
+                const double J = late ? p->moment[c] - step * p->impulse[c] : p->impulse[c],
+                             C = late ? 0.0 : p->couple[c];
+                for (int k = 0; k < 4; ++k) force[c * m->stride + p->dof[k]] += p->S[k] * J + p->T[k] * C;
             }
-    }
-    for (int k = 0; k < 2; ++k) {
-        ancf_model_join(m, k ? late : force);
-        ancf_mass_solve(m, answer + (size_t)k * size, k ? late : force);
-    }
-    for (size_t i = 0; i < size; ++i) {
-        velocity[i] += answer[i];
-        shift[i] += answer[size + i];
+        }
+        ancf_model_join(m, force);
+        ancf_mass_solve(m, answer, force);
+        for (size_t i = 0; i < size; ++i) field[i] += answer[i];
     }
 }
 
