@@ -1,33 +1,11 @@
-#include "ancf/mass.h"
+#include "factor.h"
+
 #include "internal.h"
 
 #include <cholmod.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-// Unknowns that share a slope, or have no mass, are numbered once or not at all: `row` maps a block's place to its row
-// of the matrix. A diagonal matrix is kept as its inverse, another as L L^T in an order that keeps L sparse. Where
-// every element keeps both slopes to itself, as in a net, they are eliminated exactly element by element, in lanes, and
-// only the nodes' matrix is left, which is inverted outright if it is small.
-struct ancf_mass {
-    bool diagonal, condensed;
-    bool held;          // something is held that has mass
-    double* inverse;    // (stride) 1/M, 0 where held or massless; diagonal only
-    double* added;      // (n_nodes) [kg]
-    double* own;        // (stride) diagonal of the elements alone, copies of a shared slope apart
-    int* row;           // (stride) row of an unknown in the factor, or -1
-    int n;              // rows
-    int *begin, *index; // columns of L below the diagonal, each sorted
-    double *value, *pivot;
-    double (*rhs)[4];   // (n) right-hand sides x, y, z side by side
-    double* slope_flex; // (n_elements) 60/(m L^2), condensed only
-    double* push;       // (6 x n_elements) what the slopes' forces do to the nodes, x y z, starts and ends in each
-    int* from;          // (2 n_elements) places in a component of `push` of what meets at the nodes, as m->at
-    int rows;           // n rounded up, 0: the nodes' matrix is not inverted
-    double* full;       // (n x rows) its inverse, column by column
-    double* load;       // (6 x rows) forces and accelerations of the nodes
-};
 
 enum { INVERT_UP_TO = 96, ROWS = 12 };
 
@@ -166,7 +144,8 @@ static ancf_error take_factor(ancf_model* m, const cholmod_factor* L) {
 
 static ancf_error factorise(ancf_model* m) {
     ancf_mass* mass = m->mass;
-    const size_t n = (size_t)mass->n, entries = 16 * (size_t)m->n_elements + (size_t)m->n_nodes;
+    // A half of each element's matrix and its diagonal.
+    const size_t n = (size_t)mass->n, entries = 10 * (size_t)m->n_elements + (size_t)m->n_nodes;
     ancf_error error = ANCF_E_FACTOR;
     cholmod_common common;
     cholmod_start(&common);
@@ -216,8 +195,6 @@ static void condense(ancf_model* m) {
     for (int k = 0; k < 2 * m->n_elements; ++k) mass->from[k] = (m->at[k] & 1) * m->n_elements + (m->at[k] >> 1);
 }
 
-static void solve_factor(const ancf_mass* mass);
-
 // The inverse of a small matrix, column by column.
 static ancf_error invert(ancf_mass* mass) {
     if (mass->n > INVERT_UP_TO) return ANCF_OK;
@@ -228,7 +205,7 @@ static ancf_error invert(ancf_mass* mass) {
     for (int j = 0; j < mass->n; ++j) {
         memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
         mass->rhs[j][0] = 1.0;
-        solve_factor(mass);
+        ancf_mass_solve_rows(mass);
         for (int i = 0; i < mass->n; ++i) mass->full[j * mass->rows + i] = mass->rhs[i][0];
     }
     memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
@@ -319,7 +296,7 @@ ANCF_CLONES static void solve_diagonal(const ancf_model* m, double* acceleration
 }
 
 // L L^T x = b for three right-hand sides at once.
-ANCF_CLONES static void solve_factor(const ancf_mass* mass) {
+ANCF_CLONES void ancf_mass_solve_rows(const ancf_mass* mass) {
     double(*b)[4] = mass->rhs;
     const int *begin = mass->begin, *index = mass->index;
     const double *value = mass->value, *pivot = mass->pivot;
@@ -364,7 +341,7 @@ static void solve_consistent(const ancf_model* m, double* acceleration, const do
         for (int c = 0; c < 3; ++c) mass->rhs[r][c] = force[c * s + i];
     }
     if (mass->held) subtract_held(m, acceleration);
-    solve_factor(mass);
+    ancf_mass_solve_rows(mass);
     for (int i = 0; i < m->n_dof; ++i) {
         const int r = mass->row[i];
         if (r < 0) continue;
@@ -436,7 +413,7 @@ static nodes_rhs rhs_of(const ancf_mass* mass) {
 
 static void solve_nodes(const ancf_mass* mass) {
     if (mass->rows) multiply_full(mass->load + 3 * mass->rows, mass->full, mass->load, mass->n, mass->rows);
-    else solve_factor(mass);
+    else ancf_mass_solve_rows(mass);
 }
 
 // Forces of the nodes, with those that the slopes pass on.

@@ -59,13 +59,23 @@ static ancf_error check_nodes(const ancf_def* def, int* where) {
     return ANCF_OK;
 }
 
-static ancf_error check_state(const ancf_model* m, int* where) {
+static ancf_error check_state(const ancf_def* def, const double* x, const double* v, int* where) {
+    const int n = def->n_nodes + 2 * def->n_elements, stride = ancf_stride(def->n_nodes, def->n_elements);
     for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_dof; ++i) {
-            *where = i < m->n_nodes ? i : (i - m->n_nodes) % m->n_elements;
-            if (!isfinite(m->x[c * m->stride + i]) || !isfinite(m->v[c * m->stride + i])) return ANCF_E_STATE;
+        for (int i = 0; i < n; ++i) {
+            *where = i < def->n_nodes ? i : (i - def->n_nodes) % def->n_elements;
+            if (!isfinite(x[c * stride + i]) || !isfinite(v[c * stride + i])) return ANCF_E_STATE;
         }
     return ANCF_OK;
+}
+
+ancf_error ancf_model_check(const ancf_def* def, const double* x, const double* v, int* where) {
+    *where = 0;
+    if (def->n_nodes < 1 || def->n_elements < 1) return ANCF_E_EMPTY;
+    ancf_error error = check_elements(def, where);
+    if (!error) error = check_next(def, where);
+    if (!error) error = check_nodes(def, where);
+    return error ? error : check_state(def, x, v, where);
 }
 
 static bool allocate(ancf_model* m) {
@@ -161,11 +171,7 @@ ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x,
     int unused;
     if (!where) where = &unused;
     *model = NULL;
-    *where = 0;
-    if (def->n_nodes < 1 || def->n_elements < 1) return ANCF_E_EMPTY;
-    ancf_error error = check_elements(def, where);
-    if (!error) error = check_next(def, where);
-    if (!error) error = check_nodes(def, where);
+    ancf_error error = ancf_model_check(def, x, v, where);
     if (error) return error;
 
     ancf_model* m = calloc(1, sizeof *m);
@@ -176,9 +182,9 @@ ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x,
     m->stride = ancf_stride(def->n_nodes, def->n_elements);
     m->x = x;
     m->v = v;
-    error = check_state(m, where);
-    if (!error && !allocate(m)) error = ANCF_E_MEMORY;
-    if (!error) {
+    if (!allocate(m)) {
+        error = ANCF_E_MEMORY;
+    } else {
         copy_elements(m, def);
         list_places(m);
         find_ends(m);

@@ -185,10 +185,18 @@ void CableCheck::overlapsOfElements(vector<Overlap>& found, Real part) const {
         ancf_cubic cubic;
         Hull hull;
     };
+    const BodyContainer& bodies = *cable.theScene().bodies;
+    const auto isOther = [](const auto& body) {
+        return body && !CableElement::of(*body) && body->shape && body->isBounded();
+    };
+    bool any = false;
+    for (size_t id = 0; id < bodies.size() && !any; ++id) any = isOther(bodies[id]);
+    if (!any) return;
     vector<Piece> pieces;
+    pieces.reserve(cable.length.size());
     const auto view = cable.touching.view();
-    for (const auto& [mask, bodies] : elements)
-        for (const Body* body : bodies) {
+    for (const auto& [mask, those] : elements)
+        for (const Body* body : those) {
             const int e = CableElement::of(*body)->element;
             ancf_cubic cubic;
             ancf_cover_cubic(&cubic, cable.theModel(), cable.theModel()->x, e);
@@ -204,8 +212,7 @@ void CableCheck::overlapsOfElements(vector<Overlap>& found, Real part) const {
     }
     for (const auto& other : *cable.theScene().bodies) {
         ancf_solid solid;
-        if (!other || CableElement::of(*other) || !other->shape || !other->isBounded() || !solidOf(solid, *other))
-            continue;
+        if (!isOther(other) || !solidOf(solid, *other)) continue;
         const auto* sphere = dynamic_cast<const Sphere*>(other->shape.get());
         const Real reach = ancf_solid_reach(&solid);
         if (all.distance(other->state->pos) > reach + thickest) continue;

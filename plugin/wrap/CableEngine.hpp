@@ -28,10 +28,11 @@ class CableEngine : public GlobalEngine {
 
     std::unique_ptr<ancf_model, ModelDeleter> model;
     CableContacts touching;
+    mutable vector<int> standsFor; // (nodes) one nearer to that which stands for it, itself if it is that; see tied()
     vector<int> carrierOfBody;     // (bodies) number in carryNodes of a body that is centred on its knot, or -1
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
     bool anyCoupled = false;
-    bool loaded = true; // forces may stand in model->external
+    bool loaded = false; // forces may stand in model->external
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
@@ -47,6 +48,7 @@ class CableEngine : public GlobalEngine {
     int carrierOf(Body::id_t id) const { return carrierOfBody[id]; }
     void setCarryReaction(size_t i, const Vector3r& touched);
     void checkNode(int node, const char* what) const;
+    void checkRange(const char* what, int first, int n, int all) const;
     void checkUnclaimed(int node) const;
     void changed();
     void makeModel();
@@ -74,12 +76,12 @@ public:
     void postSave(CableEngine&);
     void postLoad(CableEngine&);
 
-    py::tuple add(const vector<Vector3r>& nodes, const vector<Vector3r>& slopes, const vector<int>& newEnds,
-                  const vector<int>& newNext, int newKind, const vector<Real>& newLength, Real newEa, Real newEi,
+    py::tuple add(const py::object& newNodes, const py::object& newSlopes, const py::object& newEnds,
+                  const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
                   Real newRhoA, Real newDamping);
-    void cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const vector<int>& runs,
-               const vector<Real>& arcs, const vector<Real>& closedRuns);
-    void addBodies(int first, const vector<Body::id_t>& ids);
+    void cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const py::object& newRun,
+               const py::object& newArc, const py::object& newClosed);
+    vector<Body::id_t> addBodies(int first, const shared_ptr<Material>& material, int mask);
     void fix(int node);
     void clamp(int element, int end);
     void follow(int node, Body::id_t id);
@@ -88,6 +90,9 @@ public:
     void tie(int node, int other);
     void release(int node);
     int tied(int node) const;
+    vector<int> elementsAt(int node) const;
+    py::object state(int firstNode, int nodes, int firstElement, int elements) const;
+    void setVelocities(int firstNode, const py::object& ofNodes, int firstElement, const py::object& ofSlopes);
     Vector3r point(int element, Real xi);
     Vector3r pointVelocity(int element, Real xi);
     Real tension(int element, Real xi);
@@ -166,10 +171,10 @@ public:
         .add_property("coupled", &CableEngine::coupled, "Carries a body off its centre or on a guide, which allows no sub-steps.")
         .add_property("asleep", &CableEngine::asleep, "Elements whose bodies are far from everything: nothing is computed for their contact.")
         .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping")),
-             "Adds a cable: nodes (n Vector3 [m]), slopes (2 e Vector3), ends (2 e node numbers) and next (e) counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
+             "Adds a cable of n nodes and e elements: numpy arrays nodes (n, 3) [m], slopes (2 e, 3), start and end of each element, ends (e, 2) and next (e), int32, counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
         .def("cover", &CableEngine::cover, (py::arg("first"), py::arg("radius"), py::arg("segments"), py::arg("points"), py::arg("selfContact"), py::arg("run"), py::arg("arc"), py::arg("closed")),
-             "Tells of the elements from `first` on, a cable or net added last, what they show to the outside: run (numbers counted from 0), arc [m] and closed [m] have one value each. ValueError on bad values.")
-        .def("addBodies", &CableEngine::addBodies, (py::arg("first"), py::arg("ids")), "Bodies of the elements from `first` on, of shape CableElement.")
+             "Tells of the elements from `first` on, a cable or net added last, what they show to the outside: run (int32, counted from 0), arc [m] and closed [m] are numpy arrays with a value each. ValueError on bad values.")
+        .def("addBodies", &CableEngine::addBodies, (py::arg("first"), py::arg("material"), py::arg("mask")), "Puts a body into the scene for each element from `first` on. Returns their ids.")
         .def("fix", &CableEngine::fix, (py::arg("node")), "Holds a node in place.")
         .def("clamp", &CableEngine::clamp, (py::arg("element"), py::arg("end")), "Holds the slope at an element's start (0) or end (1).")
         .def("follow", &CableEngine::follow, (py::arg("node"), py::arg("id")), "Keeps a node at its place in a body's frame.")
@@ -178,6 +183,11 @@ public:
         .def("tie", &CableEngine::tie, (py::arg("node"), py::arg("other")), "Makes two nodes one, the first.")
         .def("release", &CableEngine::release, (py::arg("node")), "Frees a node from fix, follow and load.")
         .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
+        .def("elementsAt", &CableEngine::elementsAt, (py::arg("node")), "Elements that meet at a node.")
+        .def("state", &CableEngine::state, (py::arg("firstNode"), py::arg("nodes"), py::arg("firstElement"), py::arg("elements")),
+             "So many nodes from one on, each where the one is that stands for it [m], and the slopes of so many elements, start and end of each [-]: 3 numbers each, for numpy.frombuffer.")
+        .def("setVelocities", &CableEngine::setVelocities, (py::arg("firstNode"), py::arg("nodes"), py::arg("firstElement"), py::arg("slopes")),
+             "Sets velocities of nodes from one on [m/s] and rates of slopes from those of an element on, start and end of each [1/s]: numpy arrays (n, 3) and (2 e, 3).")
         .def("point", &CableEngine::point, (py::arg("element"), py::arg("xi")), "Position [m].")
         .def("pointVelocity", &CableEngine::pointVelocity, (py::arg("element"), py::arg("xi")), "Velocity [m/s].")
         .def("tension", &CableEngine::tension, (py::arg("element"), py::arg("xi")), "Tension EA eps |r'|, damping included [N].")

@@ -75,7 +75,7 @@ void CableEngine::build() {
     checkBodies();
     touching.reset();
     makeModel();
-    loaded = true;
+    loaded = false;
     mapBodies();
     if (anyCoupled && substeps > 1)
         refuse(text("substeps = ", substeps,

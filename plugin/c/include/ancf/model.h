@@ -123,6 +123,9 @@ typedef struct {
 ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x, double* v, int* where);
 void ancf_model_destroy(ancf_model* model);
 
+// What ancf_model_create refuses, but for what only shows when memory and a factor are needed.
+ancf_error ancf_model_check(const ancf_def* def, const double* x, const double* v, int* where);
+
 int ancf_stride(int n_nodes, int n_elements);
 
 // Numbers of an element's unknowns in a block: (start node, start slope, end node, end slope).
