@@ -108,7 +108,7 @@ int ancf_ldl_place(const ancf_ldl* a, int row, int column) {
 // ---------------------------------------------------------------- numbers
 
 // Factors a diagonal block, of which the lower triangle counts, as l d l^T: l below the diagonal, 1/d on it.
-ANCF_INLINE bool factor_diagonal(ancf_block D) {
+ANCF_INLINE bool factor_diagonal(ancf_column* D) {
     const double d0 = D[0][0], i0 = 1.0 / d0, l10 = D[0][1] * i0, l20 = D[0][2] * i0;
     const double d1 = D[1][1] - l10 * D[0][1], i1 = 1.0 / d1, s21 = D[1][2] - l20 * D[0][1], l21 = s21 * i1;
     const double d2 = D[2][2] - l20 * D[0][2] - l21 * s21;
@@ -121,39 +121,28 @@ ANCF_INLINE bool factor_diagonal(ancf_block D) {
     return d0 > 0.0 && d1 > 0.0 && d2 > 0.0;
 }
 
-// C -= A B^T.
-ANCF_INLINE void subtract_product(ancf_block C, ancf_block A, ancf_block B) {
-    for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k)
-            for (int i = 0; i < 4; ++i) C[j][i] -= A[k][i] * B[k][j];
-}
-
 // Right-looking: every column, once it is known, is taken off those to its right.
 ANCF_CLONES bool ancf_ldl_factor(ancf_ldl* a) {
     const int *begin = a->begin, *index = a->index;
     ancf_block *value = a->value, *scaled = a->column;
     for (int j = 0; j < a->n; ++j) {
         const int first = begin[j] + 1, count = begin[j + 1] - first;
-        ancf_block* D = &value[begin[j]];
-        if (!factor_diagonal(*D)) return false;
-        const double l10 = (*D)[0][1], l20 = (*D)[0][2], l21 = (*D)[1][2];
-        const double i0 = (*D)[0][0], i1 = (*D)[1][1], i2 = (*D)[2][2];
-        for (int k = 0; k < count; ++k) {
-            double(*A)[4] = value[first + k], (*S)[4] = scaled[k];
-            for (int i = 0; i < 4; ++i) { // S = A l^-T, L = S d^-1
-                S[0][i] = A[0][i];
-                S[1][i] = A[1][i] - l10 * S[0][i];
-                S[2][i] = A[2][i] - l20 * S[0][i] - l21 * S[1][i];
-                A[0][i] = i0 * S[0][i];
-                A[1][i] = i1 * S[1][i];
-                A[2][i] = i2 * S[2][i];
-            }
+        ancf_column* D = value[begin[j]];
+        if (!factor_diagonal(D)) return false;
+        for (int k = 0; k < count; ++k) { // S = A l^-T, L = S d^-1
+            ancf_column *A = value[first + k], *S = scaled[k];
+            S[0] = A[0];
+            S[1] = A[1] - D[0][1] * S[0];
+            S[2] = A[2] - D[0][2] * S[0] - D[1][2] * S[1];
+            for (int c = 0; c < 3; ++c) A[c] = D[c][c] * S[c];
         }
         for (int k = 0; k < count; ++k) {
+            const ancf_column* S = scaled[k];
             int place = begin[index[first + k]];
             for (int i = k; i < count; ++i) {
                 while (index[place] != index[first + i]) ++place;
-                subtract_product(value[place], value[first + i], scaled[k]);
+                const ancf_column* L = value[first + i];
+                for (int c = 0; c < 3; ++c) value[place][c] -= L[0] * S[0][c] + L[1] * S[1][c] + L[2] * S[2][c];
             }
         }
     }
@@ -163,25 +152,24 @@ ANCF_CLONES bool ancf_ldl_factor(ancf_ldl* a) {
 ANCF_CLONES void ancf_ldl_solve(ancf_ldl* a) {
     const int *begin = a->begin, *index = a->index;
     ancf_block* value = a->value;
-    double(*b)[4] = a->rhs;
+    ancf_column* b = a->rhs;
     for (int j = 0; j < a->n; ++j) {
-        double(*D)[4] = value[begin[j]], *x = b[j];
-        x[1] -= D[0][1] * x[0];
-        x[2] -= D[0][2] * x[0] + D[1][2] * x[1];
-        for (int p = begin[j] + 1; p < begin[j + 1]; ++p) {
-            double(*L)[4] = value[p], *y = b[index[p]];
-            for (int i = 0; i < 4; ++i) y[i] -= L[0][i] * x[0] + L[1][i] * x[1] + L[2][i] * x[2];
-        }
+        const ancf_column* D = value[begin[j]];
+        const double x0 = b[j][0], x1 = b[j][1] - D[0][1] * x0, x2 = b[j][2] - D[0][2] * x0 - D[1][2] * x1;
+        b[j][1] = x1;
+        b[j][2] = x2;
+        for (int p = begin[j] + 1; p < begin[j + 1]; ++p)
+            b[index[p]] -= value[p][0] * x0 + value[p][1] * x1 + value[p][2] * x2;
     }
     for (int j = a->n - 1; j >= 0; --j) {
-        double(*D)[4] = value[begin[j]], sum[3][4] = {{0.0}}, *x = b[j];
-        for (int p = begin[j] + 1; p < begin[j + 1]; ++p) {
-            double(*L)[4] = value[p], *y = b[index[p]];
-            for (int k = 0; k < 3; ++k)
-                for (int i = 0; i < 4; ++i) sum[k][i] += L[k][i] * y[i];
-        }
-        for (int k = 0; k < 3; ++k) x[k] = x[k] * D[k][k] - (sum[k][0] + sum[k][1] + sum[k][2]);
+        const ancf_column* D = value[begin[j]];
+        ancf_column sum[3] = {{0.0}};
+        for (int p = begin[j] + 1; p < begin[j + 1]; ++p)
+            for (int c = 0; c < 3; ++c) sum[c] += value[p][c] * b[index[p]];
+        double x[3];
+        for (int c = 0; c < 3; ++c) x[c] = b[j][c] * D[c][c] - (sum[c][0] + sum[c][1] + sum[c][2]);
         x[1] -= D[1][2] * x[2];
         x[0] -= D[0][1] * x[1] + D[0][2] * x[2];
+        for (int c = 0; c < 3; ++c) b[j][c] = x[c];
     }
 }

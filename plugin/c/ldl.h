@@ -6,8 +6,9 @@
 #include "ancf/error.h"
 #include <stdbool.h>
 
-// A block by columns, each with a fourth entry that is not used and stays finite: a column is one vector register.
-typedef double ancf_block[3][4];
+// A block by columns, each one vector register with a fourth entry that is not used.
+typedef double ancf_column __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
+typedef ancf_column ancf_block[3];
 
 typedef struct {
     int n;              // rows and columns of blocks
@@ -15,7 +16,7 @@ typedef struct {
     int* row;           // (n) of the matrix for an unknown: the order that keeps L sparse
     ancf_block* value;  // (begin[n]) of the matrix, then of L and, on the diagonal, what D and its triangles are
     ancf_block* column; // (longest column) scratch
-    double (*rhs)[4];   // (n) right-hand side and solution by rows
+    ancf_column* rhs;   // (n) right-hand side and solution by rows
 } ancf_ldl;
 
 // For n unknowns, pair: (n_pairs x 2) those that share a block off the diagonal, repeated ones allowed.

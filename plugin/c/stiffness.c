@@ -109,7 +109,7 @@ void ancf_stiffness_destroy(ancf_stiffness* s) {
 // Adds factor A to a block, A row by row.
 ANCF_INLINE void add_block(ancf_block* value, int place, const double A[9], double factor) {
     if (place < 0) return;
-    double(*B)[4] = value[place >> 1];
+    ancf_column* B = value[place >> 1];
     const int down = place & 1 ? 3 : 1, right = place & 1 ? 1 : 3;
     for (int j = 0; j < 3; ++j)
         for (int i = 0; i < 3; ++i) B[j][i] += factor * A[right * i + down * j];
@@ -120,24 +120,24 @@ ANCF_INLINE void add_transposed(ancf_block* value, int place, const double A[9],
     add_block(value, place < 0 ? place : place ^ 1, A, factor);
 }
 
-ANCF_INLINE void read_symmetric(double A[9], const double* tangent, int row) {
+ANCF_INLINE void read_symmetric(double A[9], const double* tangent) {
     static const int entry[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
-    for (int k = 0; k < 9; ++k) A[k] = tangent[entry[k] * row];
+    for (int k = 0; k < 9; ++k) A[k] = tangent[entry[k]];
 }
 
-static void add_element(ancf_stiffness* s, const ancf_model* m, int e) {
+ANCF_CLONES static void add_element(ancf_stiffness* s, const ancf_model* m, int e) {
     const int n = m->n_elements;
-    const double inv = m->inv_length[e], *t = s->tangent + e;
+    const double inv = m->inv_length[e], *t = s->tangent + e * ANCF_TANGENT;
     double g0g0[9], dd[9], g1g1[9], g0d[9], g0g1[9], dg1[9];
     int at[ELEMENT_PAIRS];
     for (int p = 0; p < ELEMENT_PAIRS; ++p) at[p] = s->place[p * n + e];
-    read_symmetric(g0g0, t, n);
-    read_symmetric(dd, t + 6 * n, n);
-    read_symmetric(g1g1, t + 12 * n, n);
+    read_symmetric(g0g0, t);
+    read_symmetric(dd, t + 6);
+    read_symmetric(g1g1, t + 12);
     for (int k = 0; k < 9; ++k) {
-        g0d[k] = t[(18 + k) * n];
-        g0g1[k] = t[(27 + k) * n];
-        dg1[k] = t[(36 + k) * n];
+        g0d[k] = t[18 + k];
+        g0g1[k] = t[27 + k];
+        dg1[k] = t[36 + k];
     }
     ancf_block* value = s->ldl->value;
     add_block(value, at[0], dd, inv * inv);
@@ -168,8 +168,8 @@ bool ancf_stiffness_factor(ancf_stiffness* s, const ancf_model* m, const double*
 void ancf_stiffness_solve(ancf_stiffness* s, const ancf_model* m, double* change, const double* force) {
     for (int i = 0; i < m->n_dof; ++i) {
         if (s->row[i] < 0) continue;
-        double* b = s->ldl->rhs[s->row[i]];
-        for (int c = 0; c < 3; ++c) b[c] = force[c * m->stride + i];
+        ancf_column* b = &s->ldl->rhs[s->row[i]];
+        for (int c = 0; c < 3; ++c) (*b)[c] = force[c * m->stride + i];
     }
     ancf_ldl_solve(s->ldl);
     for (int i = 0; i < m->n_dof; ++i)

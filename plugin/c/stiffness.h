@@ -10,7 +10,7 @@ typedef struct {
     int* row;        // (n_dof) of the matrix; -1: held, or nothing acts on it
     int* place;      // (ELEMENT_PAIRS x n_elements) 2 (number in ldl->value) + (1: transposed), or -1
     double* mass;    // (blocks of ldl) of M, each times I [kg, kg m, kg m2]
-    double* tangent; // (ANCF_TANGENT x n_elements)
+    double* tangent; // (n_elements x ANCF_TANGENT)
 } ancf_stiffness;
 
 ancf_error ancf_stiffness_create(ancf_stiffness** stiffness, const ancf_model* m);

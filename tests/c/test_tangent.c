@@ -55,16 +55,16 @@ static int place_of(const built* b, int e, int k) {
 }
 
 // The tangent over (r0, g0, r1, g1), from its documented entries.
-static void full_tangent(double K[DOFS][DOFS], const double* tangent, int n, int e, double length) {
+static void full_tangent(double K[DOFS][DOFS], const double* tangent, int e, double length) {
     static const int symmetric[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     double Q[9][9];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             for (int p = 0; p < 3; ++p) {
-                Q[3 * p + i][3 * p + j] = tangent[(6 * p + symmetric[i][j]) * n + e];
+                Q[3 * p + i][3 * p + j] = tangent[e * ANCF_TANGENT + 6 * p + symmetric[i][j]];
                 const int row = p == 2 ? 1 : 0, column = p == 0 ? 1 : 2;
                 Q[3 * row + i][3 * column + j] = Q[3 * column + j][3 * row + i] =
-                    tangent[(18 + 9 * p + 3 * i + j) * n + e];
+                    tangent[e * ANCF_TANGENT + 18 + 9 * p + 3 * i + j];
             }
     double T[9][DOFS] = {{0.0}}; // (g0, d, g1) of the unknowns
     for (int c = 0; c < 3; ++c) {
@@ -118,7 +118,7 @@ static void derivative_of_the_force(void** state) {
         difference(J, &b, rate);
         for (int e = 0; e < VARIANTS; ++e) {
             double largest = 0.0;
-            full_tangent(K, tangent, VARIANTS, e, 0.3);
+            full_tangent(K, tangent, e, 0.3);
             for (int i = 0; i < DOFS; ++i)
                 for (int j = 0; j < DOFS; ++j) largest = fmax(largest, fabs(J[e][i][j]));
             assert_true(largest > 1.0 || variants[e].kind & ANCF_SPRING);
@@ -150,10 +150,10 @@ static void definite_tangent(void** state) {
                 for (int i = 0; i < DOFS; ++i) z[i] = random_between(&seed, -1.0, 1.0) * (i / 3 % 2 ? 1.0 : 0.3);
                 if (way % 2)
                     for (int i = 0; i < 6; ++i) z[6 + i] = (i < 3 ? 1.0 : -1.0) * z[i];
-                full_tangent(K, tangent, VARIANTS, e, 0.3);
+                full_tangent(K, tangent, e, 0.3);
                 for (int i = 0; i < DOFS; ++i)
                     for (int j = 0; j < DOFS; ++j) sum += z[i] * K[i][j] * z[j];
-                full_tangent(K, whole, VARIANTS, e, 0.3);
+                full_tangent(K, whole, e, 0.3);
                 for (int i = 0; i < DOFS; ++i)
                     for (int j = 0; j < DOFS; ++j) other += z[i] * K[i][j] * z[j];
                 assert_true(sum >= -1e-10);

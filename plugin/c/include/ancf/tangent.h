@@ -9,7 +9,7 @@
 // from 18, 27 and 36 on.
 enum { ANCF_TANGENT = 45 };
 
-// tangent: (ANCF_TANGENT x n_elements), -df/dx for a change of x that takes v along, dv = rate dx [1/s]; of what
+// tangent: (n_elements x ANCF_TANGENT), -df/dx for a change of x that takes v along, dv = rate dx [1/s]; of what
 // damping adds, which is not symmetric, the symmetric part. definite: what could make it indefinite is left out,
 // compression above all; it is then an approximation.
 void ancf_tangent(double* tangent, const ancf_model* m, const double* x, const double* v, double rate, bool definite);
