@@ -5,7 +5,7 @@
 #include "ancf/model.h"
 #include "ldl.h"
 
-typedef struct {
+typedef struct ancf_stiffness {
     ancf_ldl* ldl;
     int* row;        // (n_dof) of the matrix; -1: held, or nothing acts on it
     int* place;      // (ELEMENT_PAIRS x n_elements) 2 (number in ldl->value) + (1: transposed), or -1
