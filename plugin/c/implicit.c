@@ -265,7 +265,7 @@ static bool take_step(ancf_implicit* s, ancf_model* m, double* a, const weights*
     return true;
 }
 
-ancf_error ancf_implicit_step(ancf_implicit* s, ancf_model* m, double* a, const ancf_time* time) {
+ancf_error ancf_implicit_step(ancf_implicit* s, ancf_model* m, double* a, const ancf_time* time, int parts) {
     const weights w = weights_of(s->rho);
     const double damped = m->damping_work, lost = s->lost;
     plan_held(s, m, a, time);
@@ -274,7 +274,7 @@ ancf_error ancf_implicit_step(ancf_implicit* s, ancf_model* m, double* a, const 
     copy(s->start_v, m->v, m);
     copy(s->start_a, a, m);
     s->iterations = 0;
-    for (s->parts = 1; !take_step(s, m, a, &w, time->step); s->parts *= 2) {
+    for (s->parts = parts; !take_step(s, m, a, &w, time->step); s->parts *= 2) {
         find_fault(s, m);
         ++s->rejected;
         copy(m->x, s->start_x, m);
@@ -282,7 +282,7 @@ ancf_error ancf_implicit_step(ancf_implicit* s, ancf_model* m, double* a, const 
         copy(a, s->start_a, m);
         m->damping_work = damped;
         s->lost = lost;
-        if (s->parts == 1 << HALVINGS) return ANCF_E_STEP;
+        if (s->parts == parts << HALVINGS) return ANCF_E_STEP;
     }
     for (int k = 0; k < m->n_held; ++k)
         for (int c = 0; c < 3; ++c) a[c * m->stride + m->is_held[k]] = s->held_a[c * m->stride + m->is_held[k]];

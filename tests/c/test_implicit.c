@@ -25,7 +25,7 @@ static void stop(stepper* run) {
 static void steps(stepper* run, built* b, double h, int n) {
     run->time.step = h;
     for (int i = 0; i < n; ++i) {
-        assert_int_equal(ancf_implicit_step(run->s, b->m, run->a, &run->time), ANCF_OK);
+        assert_int_equal(ancf_implicit_step(run->s, b->m, run->a, &run->time, 1), ANCF_OK);
         run->time.last = h;
     }
 }
@@ -364,7 +364,7 @@ static void a_step_that_fails(void** state) {
     memcpy(x, b.x, size);
     b.m->external[b.stride + 3] = 1e300;
     run.time.step = 1e-3;
-    assert_int_equal(ancf_implicit_step(run.s, b.m, run.a, &run.time), ANCF_E_STEP);
+    assert_int_equal(ancf_implicit_step(run.s, b.m, run.a, &run.time, 1), ANCF_E_STEP);
     assert_memory_equal(b.x, x, size);
     assert_int_equal(run.s->element, 2);
     assert_int_equal(run.s->rejected, 11);

@@ -13,7 +13,7 @@ typedef struct ancf_stiffness ancf_stiffness;
 
 typedef struct {
     double rho;     // 0: what is not resolved is gone after a step, 1: nothing is lost
-    long rejected;  // steps that did not converge and were taken again in halves, so far
+    long rejected;  // steps and parts of them that did not converge and were taken again in halves, so far
     int parts;      // in how many the last step was taken
     int iterations; // Newton's, in the last step
     int element;    // where the last step went wrong, if it did
@@ -34,11 +34,11 @@ typedef struct {
 ancf_error ancf_implicit_create(ancf_implicit** implicit, const ancf_model* m, double rho);
 void ancf_implicit_destroy(ancf_implicit* implicit);
 
-// One step from the state and `a` (3 x stride), the caller's accelerations that belong to it; time->last = 0: they are
-// found first. m->external and gravity act as they are; what is held moves by its velocity m->held times the step, and
-// its velocity and acceleration follow from that and the step before. m->f and m->a are then forces and accelerations
-// that balance within the step, m->free the mean velocity. ANCF_E_STEP: it does not converge, in however short parts;
-// the state is what it was.
-ancf_error ancf_implicit_step(ancf_implicit* implicit, ancf_model* m, double* a, const ancf_time* time);
+// One step, in so many equal parts or more, from the state and `a` (3 x stride), the caller's accelerations that belong
+// to it; time->last = 0: they are found first. m->external and gravity act as they are; what is held moves by its
+// velocity m->held times the step, and its velocity and acceleration follow from that and the step before. m->f and
+// m->a are then forces and accelerations that balance within the step, m->free the mean velocity. ANCF_E_STEP: it does
+// not converge, in however short parts; the state is what it was.
+ancf_error ancf_implicit_step(ancf_implicit* implicit, ancf_model* m, double* a, const ancf_time* time, int parts);
 
 #endif
