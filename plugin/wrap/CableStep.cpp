@@ -161,7 +161,10 @@ void CableEngine::getReady() {
     try {
         if (pairsChecked) {
             checkBodies();
-            if (known != scene->bodies->size()) CableCheck(*this).partners(static_cast<Body::id_t>(known));
+            if (known != scene->bodies->size()) {
+                CableCheck(*this).partners(static_cast<Body::id_t>(known));
+                checkIntegrator();
+            }
         } else {
             build(); // engines that drive bodies may have come since
             checkPairs();
@@ -171,7 +174,6 @@ void CableEngine::getReady() {
         throw;
     }
     pairsChecked = true;
-    if (known != scene->bodies->size()) mapBodies();
 }
 
 // Steps of the cable inside this one, and what touches in them.
