@@ -20,8 +20,8 @@ ancf_error ancf_implicit_create(ancf_implicit** implicit, const ancf_model* m, d
     if (!s) return ANCF_E_MEMORY;
     const size_t field = 3 * (size_t)m->stride;
     s->rho = rho;
-    s->per_size = calloc((size_t)m->stride + FIELDS * field, sizeof *s->per_size);
-    if (!s->per_size || ancf_stiffness_create(&s->stiffness, m)) {
+    s->fields = calloc(FIELDS * field, sizeof *s->fields);
+    if (!s->fields || ancf_stiffness_create(&s->stiffness, m)) {
         ancf_implicit_destroy(s);
         *implicit = NULL;
         return ANCF_E_MEMORY;
@@ -29,17 +29,14 @@ ancf_error ancf_implicit_create(ancf_implicit** implicit, const ancf_model* m, d
     double** const fields[FIELDS] = {&s->start_x, &s->start_v, &s->start_a, &s->old_x,  &s->old_v,
                                      &s->change,  &s->old_f,   &s->inertia, &s->held_a, &s->held_jerk,
                                      &s->kept_x,  &s->kept_v,  &s->kept_f};
-    for (int k = 0; k < FIELDS; ++k) *fields[k] = s->per_size + m->stride + (size_t)k * field;
-    for (int i = 0; i < m->n_dof; ++i) s->per_size[i] = i < m->n_nodes ? 0.0 : 1.0;
-    for (int k = 0; k < 2 * m->n_elements; ++k)
-        s->per_size[m->ends[k]] = fmax(s->per_size[m->ends[k]], m->inv_length[k / 2]);
+    for (int k = 0; k < FIELDS; ++k) *fields[k] = s->fields + (size_t)k * field;
     return ANCF_OK;
 }
 
 void ancf_implicit_destroy(ancf_implicit* s) {
     if (!s) return;
     ancf_stiffness_destroy(s->stiffness);
-    free(s->per_size);
+    free(s->fields);
     free(s);
 }
 
@@ -108,23 +105,11 @@ static weights weights_of(double rho) {
                       .gamma = 0.5 - alpha_m + alpha_f};
 }
 
-// Largest change, in its sizes.
-ANCF_CLONES static double size_of(const ancf_model* m, const double* per_size, const double* change) {
-    double largest = 0.0, sum = 0.0;
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_dof; ++i) {
-            const double size = per_size[i] * fabs(change[c * m->stride + i]);
-            largest = size > largest ? size : largest;
-            sum += size;
-        }
-    return isfinite(sum) ? largest : INFINITY;
-}
-
 static void find_fault(ancf_implicit* s, const ancf_model* m) {
     double largest = -1.0;
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < m->n_dof; ++i) {
-            const double size = s->per_size[i] * fabs(s->change[c * m->stride + i]);
+            const double size = s->stiffness->per_size[i] * fabs(s->change[c * m->stride + i]);
             if (size <= largest) continue;
             largest = size;
             s->element = i < m->n_nodes ? m->at[m->first[i]] >> 1 : (i - m->n_nodes) % m->n_elements;
@@ -150,7 +135,7 @@ static bool solve(ancf_implicit* s, ancf_model* m, double* a, const weights* w, 
         }
         ancf_stiffness_solve(s->stiffness, m, s->change, s->change);
         ++s->iterations;
-        const double size = size_of(m, s->per_size, s->change), shrinks = k > 0 ? size / last : 1.0;
+        const double size = ancf_stiffness_size(s->stiffness, m, s->change), shrinks = k > 0 ? size / last : 1.0;
         if (!isfinite(size)) return false;
         add_scaled(m->x, 1.0, s->change, n);
         add_scaled(m->v, rate, s->change, n);

@@ -36,4 +36,8 @@ static inline bool ancf_model_counts(const ancf_model* m, int dof) {
     return end < 0 || m->next[end] < 0;
 }
 
+// Largest unbalanced force, but for rounding, over the largest that elements or loads exert, at the state that m->f was
+// found for [-].
+double ancf_imbalance(const ancf_model* m);
+
 #endif

@@ -3,6 +3,7 @@
 #include "ancf/tangent.h"
 #include "internal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,6 +79,9 @@ static ancf_error fill(ancf_stiffness* s, const ancf_model* m, int* pair) {
     for (int i = 0; i < m->n_dof; ++i)
         if (s->row[i] >= 0) s->row[i] = s->ldl->row[s->row[i]];
     find_places(s, m);
+    for (int i = m->n_nodes; i < m->n_dof; ++i) s->per_size[i] = 1.0;
+    for (int k = 0; k < 2 * m->n_elements; ++k)
+        s->per_size[m->ends[k]] = fmax(s->per_size[m->ends[k]], m->inv_length[k / 2]);
     return ANCF_OK;
 }
 
@@ -86,8 +90,9 @@ ancf_error ancf_stiffness_create(ancf_stiffness** stiffness, const ancf_model* m
     if (!s) return ANCF_E_MEMORY;
     int* pair = calloc(2 * ELEMENT_PAIRS * (size_t)m->n_elements, sizeof *pair);
     s->row = calloc((size_t)m->n_dof, sizeof *s->row);
+    s->per_size = calloc((size_t)m->n_dof, sizeof *s->per_size);
     s->place = calloc(ELEMENT_PAIRS * (size_t)m->n_elements, sizeof *s->place);
-    const ancf_error error = pair && s->row && s->place ? fill(s, m, pair) : ANCF_E_MEMORY;
+    const ancf_error error = pair && s->row && s->per_size && s->place ? fill(s, m, pair) : ANCF_E_MEMORY;
     free(pair);
     if (error) {
         ancf_stiffness_destroy(s);
@@ -100,6 +105,7 @@ void ancf_stiffness_destroy(ancf_stiffness* s) {
     if (!s) return;
     ancf_ldl_destroy(s->ldl);
     free(s->row);
+    free(s->per_size);
     free(s->place);
     free(s->mass);
     free(s->tangent);
@@ -174,4 +180,15 @@ void ancf_stiffness_solve(ancf_stiffness* s, const ancf_model* m, double* change
     ancf_ldl_solve(s->ldl);
     for (int i = 0; i < m->n_dof; ++i)
         for (int c = 0; c < 3; ++c) change[c * m->stride + i] = s->row[i] < 0 ? 0.0 : s->ldl->rhs[s->row[i]][c];
+}
+
+ANCF_CLONES double ancf_stiffness_size(const ancf_stiffness* s, const ancf_model* m, const double* change) {
+    double largest = 0.0, sum = 0.0;
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < m->n_dof; ++i) {
+            const double size = s->per_size[i] * fabs(change[c * m->stride + i]);
+            largest = size > largest ? size : largest;
+            sum += size;
+        }
+    return isfinite(sum) ? largest : INFINITY;
 }
