@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Blocks of an element's unknowns (r0, g0, r1, g1) on and below the diagonal.
 enum { ELEMENT_PAIRS = 10 };
@@ -57,7 +56,7 @@ static void find_places(ancf_stiffness* s, const ancf_model* m) {
         ancf_model_dofs(dof, m, e);
         for (int p = 0; p < ELEMENT_PAIRS; ++p) {
             const int i = s->row[dof[pair_row[p]]], j = s->row[dof[pair_column[p]]];
-            int* place = &s->place[p * m->n_elements + e];
+            int* place = &s->place[e * ELEMENT_PAIRS + p];
             *place = -1;
             if (i < 0 || j < 0) continue;
             *place = i < j ? 2 * ancf_ldl_place(s->ldl, j, i) + 1 : 2 * ancf_ldl_place(s->ldl, i, j);
@@ -112,50 +111,56 @@ void ancf_stiffness_destroy(ancf_stiffness* s) {
     free(s);
 }
 
-// Adds factor A to a block, A row by row.
-ANCF_INLINE void add_block(ancf_block* value, int place, const double A[9], double factor) {
+// Adds factor A to a block.
+ANCF_INLINE void add_block(ancf_block* value, int place, const ancf_column A[3], double factor) {
     if (place < 0) return;
     ancf_column* B = value[place >> 1];
-    const int down = place & 1 ? 3 : 1, right = place & 1 ? 1 : 3;
-    for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i) B[j][i] += factor * A[right * i + down * j];
-}
-
-// Adds factor A^T.
-ANCF_INLINE void add_transposed(ancf_block* value, int place, const double A[9], double factor) {
-    add_block(value, place < 0 ? place : place ^ 1, A, factor);
-}
-
-ANCF_INLINE void read_symmetric(double A[9], const double* tangent) {
-    static const int entry[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
-    for (int k = 0; k < 9; ++k) A[k] = tangent[entry[k]];
-}
-
-ANCF_CLONES static void add_element(ancf_stiffness* s, const ancf_model* m, int e) {
-    const int n = m->n_elements;
-    const double inv = m->inv_length[e], *t = s->tangent + e * ANCF_TANGENT;
-    double g0g0[9], dd[9], g1g1[9], g0d[9], g0g1[9], dg1[9];
-    int at[ELEMENT_PAIRS];
-    for (int p = 0; p < ELEMENT_PAIRS; ++p) at[p] = s->place[p * n + e];
-    read_symmetric(g0g0, t);
-    read_symmetric(dd, t + 6);
-    read_symmetric(g1g1, t + 12);
-    for (int k = 0; k < 9; ++k) {
-        g0d[k] = t[18 + k];
-        g0g1[k] = t[27 + k];
-        dg1[k] = t[36 + k];
+    if (place & 1) {
+        for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < 3; ++i) B[c][i] += factor * A[i][c];
+        return;
     }
+    for (int c = 0; c < 3; ++c) B[c] += factor * A[c];
+}
+
+ANCF_INLINE void read_symmetric(ancf_column A[3], const double* t) {
+    A[0] = (ancf_column) {t[0], t[1], t[2], 0.0};
+    A[1] = (ancf_column) {t[1], t[3], t[4], 0.0};
+    A[2] = (ancf_column) {t[2], t[4], t[5], 0.0};
+}
+
+// A block that stands in the tangent row by row, or its transpose: `along` a column, `across` from one to the next.
+ANCF_INLINE void read_block(ancf_column A[3], const double* t, int along, int across) {
+    for (int c = 0; c < 3; ++c)
+        A[c] = (ancf_column) {t[across * c], t[across * c + along], t[across * c + 2 * along], 0.0};
+}
+
+ANCF_CLONES static void add_elements(ancf_stiffness* s, const ancf_model* m) {
+    const int n = m->n_elements;
     ancf_block* value = s->ldl->value;
-    add_block(value, at[0], dd, inv * inv);
-    add_block(value, at[1], g0d, -inv);
-    add_block(value, at[2], g0g0, 1.0);
-    add_block(value, at[3], dd, -inv * inv);
-    add_transposed(value, at[4], g0d, inv);
-    add_block(value, at[5], dd, inv * inv);
-    add_transposed(value, at[6], dg1, -inv);
-    add_transposed(value, at[7], g0g1, 1.0);
-    add_transposed(value, at[8], dg1, inv);
-    add_block(value, at[9], g1g1, 1.0);
+    for (int e = 0; e < n; ++e) {
+        const double inv = m->inv_length[e], *t = s->tangent + e * ANCF_TANGENT;
+        const int* at = s->place + e * ELEMENT_PAIRS;
+        ancf_column g0g0[3] = {{0.0}}, dd[3] = {{0.0}}, g1g1[3] = {{0.0}}, g0d[3] = {{0.0}}, dg0[3] = {{0.0}},
+                    g1g0[3] = {{0.0}}, g1d[3] = {{0.0}};
+        read_symmetric(g0g0, t);
+        read_symmetric(dd, t + 6);
+        read_symmetric(g1g1, t + 12);
+        read_block(g0d, t + 18, 3, 1);
+        read_block(dg0, t + 18, 1, 3);
+        read_block(g1g0, t + 27, 1, 3);
+        read_block(g1d, t + 36, 1, 3);
+        add_block(value, at[0], dd, inv * inv);
+        add_block(value, at[1], g0d, -inv);
+        add_block(value, at[2], g0g0, 1.0);
+        add_block(value, at[3], dd, -inv * inv);
+        add_block(value, at[4], dg0, inv);
+        add_block(value, at[5], dd, inv * inv);
+        add_block(value, at[6], g1d, -inv);
+        add_block(value, at[7], g1g0, 1.0);
+        add_block(value, at[8], g1d, inv);
+        add_block(value, at[9], g1g1, 1.0);
+    }
 }
 
 bool ancf_stiffness_factor(ancf_stiffness* s, const ancf_model* m, const double* x, const double* v, double mu,
@@ -164,10 +169,12 @@ bool ancf_stiffness_factor(ancf_stiffness* s, const ancf_model* m, const double*
     if (ldl->n == 0) return true;
     ancf_tangent(s->tangent, m, x, v, rate, definite);
     for (int k = 0; k < ldl->begin[ldl->n]; ++k) {
-        memset(ldl->value[k], 0, sizeof ldl->value[k]);
-        for (int c = 0; c < 3; ++c) ldl->value[k][c][c] = mu * s->mass[k];
+        const double mass = mu * s->mass[k];
+        ldl->value[k][0] = (ancf_column) {mass, 0.0, 0.0, 0.0};
+        ldl->value[k][1] = (ancf_column) {0.0, mass, 0.0, 0.0};
+        ldl->value[k][2] = (ancf_column) {0.0, 0.0, mass, 0.0};
     }
-    for (int e = 0; e < m->n_elements; ++e) add_element(s, m, e);
+    add_elements(s, m);
     return ancf_ldl_factor(ldl);
 }
 

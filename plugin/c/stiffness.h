@@ -8,7 +8,7 @@
 typedef struct ancf_stiffness {
     ancf_ldl* ldl;
     int* row;         // (n_dof) of the matrix; -1: held, or nothing acts on it
-    int* place;       // (ELEMENT_PAIRS x n_elements) 2 (number in ldl->value) + (1: transposed), or -1
+    int* place;       // (n_elements x ELEMENT_PAIRS) 2 (number in ldl->value) + (1: transposed), or -1
     double* mass;     // (blocks of ldl) of M, each times I [kg, kg m, kg m2]
     double* per_size; // (n_dof) one over what a change counts by: the shortest element at a node, 1 at a slope [1/m, -]
     double* tangent;  // (n_elements x ANCF_TANGENT)
