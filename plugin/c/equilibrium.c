@@ -146,7 +146,7 @@ ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations, anc
     double *rate = m->work + 2 * field, *before = rate + field, *mass = before + field, *still = mass + field;
     double* near = m->work; // masses where it may touch
     memset(m->v, 0, field * sizeof *m->v);
-    if (!rest && ancf_settle(m, tolerance)) return ANCF_OK;
+    if (ancf_settle(m, tolerance, rest)) return ANCF_OK;
     memset(rate, 0, 4 * field * sizeof *rate);
     double damping = 0.0, stiffening = 0.0;
     quotient motion = {0.0, 0.0};

@@ -10,8 +10,10 @@
 
 enum { FIELDS = 13, ITERATIONS = 12, HALVINGS = 10 };
 static const double tolerance = 1e-8; // of what Newton's method leaves, in lengths of an element and as slope
-static const double farthest = 0.25; // that a slope or an element's chord over its length may turn or stretch in a step
-static const double slow = 0.1;      // corrections that shrink by no more get a new tangent
+// How far anything may turn or stretch in a step, as slope. Farther off, Newton's method finds states that a cable
+// would not come to, and the scheme may gain energy.
+static const double farthest = 0.25;
+static const double slow = 0.1; // corrections that shrink by no more get a new tangent
 
 ancf_error ancf_implicit_create(ancf_implicit** implicit, const ancf_model* m, double rho) {
     *implicit = NULL;
@@ -197,28 +199,6 @@ static void note_losses(ancf_implicit* s, ancf_model* m, const weights* w) {
 
 // ---------------------------------------------------------------- steps
 
-// Whether an element turns or stretches more than a step can follow: there Newton's method finds states that a cable
-// would not come to, and the scheme may gain energy.
-ANCF_CLONES static bool too_far(const ancf_model* m, const double* x, const double* old_x) {
-    const int n = m->n_elements, s = m->stride;
-    double largest = 0.0;
-#pragma omp simd reduction(max : largest)
-    for (int e = 0; e < n; ++e) {
-        const int g0 = m->n_nodes + e, g1 = g0 + n, r0 = m->ends[2 * e], r1 = m->ends[2 * e + 1];
-        double start = 0.0, end = 0.0, chord = 0.0;
-        for (int c = 0; c < 3; ++c) {
-            const double *u = x + c * s, *o = old_x + c * s;
-            const double a = u[g0] - o[g0], b = u[g1] - o[g1],
-                         d = ((u[r1] - u[r0]) - (o[r1] - o[r0])) * m->inv_length[e];
-            start += a * a;
-            end += b * b;
-            chord += d * d;
-        }
-        largest = fmax(largest, fmax(chord, fmax(start, end)));
-    }
-    return largest > farthest * farthest;
-}
-
 // One of the equal parts of a step.
 static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights* w, double step, int part) {
     const int n = 3 * m->stride;
@@ -232,7 +212,9 @@ static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights*
         m->a[i] = a[i];
     }
     place_held(s, m, step, end, at + w->inertia_new * h);
-    if (!solve(s, m, a, w, h) || too_far(m, m->x, s->old_x)) return false;
+    if (!solve(s, m, a, w, h)) return false;
+    for (int i = 0; i < n; ++i) s->change[i] = m->x[i] - s->old_x[i];
+    if (ancf_stiffness_turn(m, s->change) > farthest) return false;
     if (m->track) note_losses(s, m, w);
     return true;
 }

@@ -13,7 +13,11 @@
 #else
 #define ANCF_CLONES
 #endif
+#if defined(__SANITIZE_ADDRESS__) // whose checks, inlined a thousand times, would take minutes to compile
+#define ANCF_INLINE static inline
+#else
 #define ANCF_INLINE static inline __attribute__((always_inline))
+#endif
 
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 bool ancf_reserve(void** items, int* room, int n, size_t size);

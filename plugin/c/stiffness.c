@@ -199,3 +199,21 @@ ANCF_CLONES double ancf_stiffness_size(const ancf_stiffness* s, const ancf_model
         }
     return isfinite(sum) ? largest : INFINITY;
 }
+
+ANCF_CLONES double ancf_stiffness_turn(const ancf_model* m, const double* change) {
+    const int n = m->n_elements, s = m->stride;
+    double largest = 0.0;
+#pragma omp simd reduction(max : largest)
+    for (int e = 0; e < n; ++e) {
+        const int g0 = m->n_nodes + e, g1 = g0 + n, r0 = m->ends[2 * e], r1 = m->ends[2 * e + 1];
+        double start = 0.0, end = 0.0, chord = 0.0;
+        for (int c = 0; c < 3; ++c) {
+            const double *u = change + c * s, d = (u[r1] - u[r0]) * m->inv_length[e];
+            start += u[g0] * u[g0];
+            end += u[g1] * u[g1];
+            chord += d * d;
+        }
+        largest = fmax(largest, fmax(chord, fmax(start, end)));
+    }
+    return sqrt(largest);
+}

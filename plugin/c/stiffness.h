@@ -27,4 +27,7 @@ void ancf_stiffness_solve(ancf_stiffness* stiffness, const ancf_model* m, double
 // The largest of a change, in the sizes above; infinite if it is not finite.
 double ancf_stiffness_size(const ancf_stiffness* stiffness, const ancf_model* m, const double* change);
 
+// Largest change of a slope, or of an element's chord over its length: how far anything turns or stretches [-].
+double ancf_stiffness_turn(const ancf_model* m, const double* change);
+
 #endif
