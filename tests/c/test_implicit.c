@@ -351,6 +351,21 @@ static void held_nodes(void** state) {
     build_free(&b);
 }
 
+// All of it held: led along, and nothing to solve for.
+static void nothing_is_free(void** state) {
+    (void)state;
+    built b = build_cable(2, (ancf_element) {.length = 1.0, .ea = 1e3, .ei = 0.1, .rho_a = 0.1}, 1);
+    for (int i = 0; i < b.n_dof; ++i) b.hold[i] = ANCF_HELD;
+    build_finish(&b);
+    b.m->gravity[2] = -9.81;
+    stepper run = start(&b, 0.9);
+    for (int i = 0; i < b.def.n_nodes; ++i) b.m->held[i] = 0.5;
+    steps(&run, &b, 1e-2, 10);
+    for (int i = 0; i < b.def.n_nodes; ++i) assert_near(b.x[i], 0.5 * i + 0.05, 1e-14);
+    stop(&run);
+    build_free(&b);
+}
+
 // The same from a state that was put aside: nothing else is remembered.
 static void resumes_to_the_bit(void** state) {
     (void)state;
@@ -409,6 +424,7 @@ int main(void) {
         cmocka_unit_test(compressed_elements),
         cmocka_unit_test(violent_net),
         cmocka_unit_test(held_nodes),
+        cmocka_unit_test(nothing_is_free),
         cmocka_unit_test(resumes_to_the_bit),
         cmocka_unit_test(a_step_that_fails),
     };
