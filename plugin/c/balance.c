@@ -59,12 +59,6 @@ void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end
     for (int e = begin; e < end && falls; ++e) energy->gravity += gravity_of(m, e);
 }
 
-// The sum over both copies of a shared slope would count it twice: only the start's is taken.
-static bool counts(const ancf_model* m, int dof) {
-    const int end = dof - m->n_nodes - m->n_elements;
-    return end < 0 || m->next[end] < 0;
-}
-
 ANCF_CLONES static double product(const double* a, const double* b, int n) {
     double sum = 0.0;
 #pragma omp simd reduction(+ : sum)
@@ -90,7 +84,7 @@ void ancf_momentum(double linear[3], double angular[3], ancf_model* m) {
     ancf_mass_multiply(m, p, m->v);
     for (int c = 0; c < 3; ++c) linear[c] = angular[c] = 0.0;
     for (int i = 0; i < m->n_dof; ++i) {
-        if (!counts(m, i)) continue;
+        if (!ancf_model_counts(m, i)) continue;
         for (int c = 0; c < 3; ++c) {
             const int d = (c + 1) % 3, b = (c + 2) % 3;
             if (i < m->n_nodes) linear[c] += p[c * s + i];

@@ -19,6 +19,7 @@ struct ancf_mass {
     int *begin, *index; // columns of L below the diagonal, each sorted
     double *value, *pivot;
     double (*rhs)[4];   // (n) right-hand sides x, y, z side by side
+    double* matrix;     // (6 x n_elements) what an element's matrix consists of
     double* slope_flex; // (n_elements) 60/(m L^2), condensed only
     double* push;       // (6 x n_elements) what the slopes' forces do to the nodes, x y z, starts and ends in each
     int* from;          // (2 n_elements) places in a component of `push` of what meets at the nodes, as m->at

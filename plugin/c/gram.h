@@ -83,6 +83,9 @@ ANCF_INLINE void ancf_axial(double h[ANCF_GRAM], const double G[ANCF_GRAM], cons
 static const double ancf_gauss3_t[3] = {-0.77459666924148338, 0.0, 0.77459666924148338};
 static const double ancf_gauss3_weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
 
+// Square of L kappa below which its direction is noise.
+static const double ancf_tiny_curvature2 = 1e-18;
+
 // P = r'.r', R = r'.L r'' and Q = L^2 r''.r'' at a place t, from G, or their rates from its rate; the curvature
 // kappa = |r' x r''|/|r'|^2 there is (L kappa)^2 = (Q P - R^2)/P^2.
 ANCF_INLINE void ancf_at_place(double* P, double* R, double* Q, const double G[ANCF_GRAM], double t) {

@@ -14,7 +14,11 @@
 #else
 #define ANCF_CLONES
 #endif
+#if defined(__SANITIZE_ADDRESS__) // whose checks, inlined a thousand times, would take minutes to compile
+#define ANCF_INLINE static inline
+#else
 #define ANCF_INLINE static inline __attribute__((always_inline))
+#endif
 
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 bool ancf_reserve(void** items, int* room, int n, size_t size);
@@ -23,5 +27,18 @@ bool ancf_reserve(void** items, int* room, int n, size_t size);
 void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi);
 void ancf_model_mean_weights(double S[4], const ancf_model* m, int element, const double power[3]);
 void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, double xi); // in dr/dxi
+
+// Adds m->external and gravity to the forces of elements, and joins them.
+void ancf_add_loads(const ancf_model* m, double* force);
+
+// Whether a sum over all unknowns takes this one: of a shared slope's two copies the start's alone.
+static inline bool ancf_model_counts(const ancf_model* m, int dof) {
+    const int end = dof - m->n_nodes - m->n_elements;
+    return end < 0 || m->next[end] < 0;
+}
+
+// Largest unbalanced force, but for rounding, over the largest that elements or loads exert, at the state that m->f was
+// found for [-].
+double ancf_imbalance(const ancf_model* m);
 
 #endif

@@ -3,9 +3,6 @@
 
 #include <float.h>
 
-// Curvature below which its direction is noise, times L.
-static const double tiny_curvature2 = 1e-18;
-
 // Damping of the fast curvature, by its rate along its own direction at 2 Gauss points (exact for a linear r''), where
 // L r'' = q -+ sqrt(3) k: a rigid rotation turns r'' but has no such rate.
 ANCF_INLINE void damp_fast(double h[ANCF_GRAM], const double G[ANCF_GRAM], const double rate[ANCF_GRAM],
@@ -15,7 +12,7 @@ ANCF_INLINE void damp_fast(double h[ANCF_GRAM], const double G[ANCF_GRAM], const
     for (int p = 0; p < 2; ++p) {
         const double s = p ? root3 : -root3, kk = G[ANCF_QQ] + 3.0 * G[ANCF_KK] + 2.0 * s * G[ANCF_QK],
                      kv = 0.5 * (rate[ANCF_QQ] + 3.0 * rate[ANCF_KK]) + s * rate[ANCF_QK];
-        q[p] = 0.25 * ei_eta * kv / ((kk > 0.0 ? kk : 0.0) + tiny_curvature2);
+        q[p] = 0.25 * ei_eta * kv / ((kk > 0.0 ? kk : 0.0) + ancf_tiny_curvature2);
     }
     h[ANCF_QQ] += q[0] + q[1];
     h[ANCF_KK] += 3.0 * (q[0] + q[1]);
@@ -35,7 +32,7 @@ ANCF_INLINE void bend_exact(double h[ANCF_GRAM], const double G[ANCF_GRAM], cons
             double Pv, Rv, Qv;
             ancf_at_place(&Pv, &Rv, &Qv, rate, t);
             const double q = inv * (Q - R * part), along = qP * Pv + qR * Rv + qQ * Qv;
-            factor += 0.25 * eta * along / ((q > 0.0 ? q : 0.0) + tiny_curvature2);
+            factor += 0.25 * eta * along / ((q > 0.0 ? q : 0.0) + ancf_tiny_curvature2);
         }
         factor *= ancf_gauss3_weight[p] * ei;
         qP *= factor;

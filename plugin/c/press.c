@@ -260,7 +260,7 @@ static void swing(const ancf_table* t, ancf_contact* c, double time, double unti
 // h: its length; at: its middle; since: the time from the last one's middle; until: from its start to the step's
 // middle. Returns what forces are off by.
 static double substep(ancf_table* t, const ancf_contact_group* g, double h, double at, double rest, double since,
-                    double until) {
+                      double until) {
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     for (int k = first; k < end; ++k) {
         ancf_contact* c = &t->contact[contact[k]];

@@ -17,11 +17,11 @@
 namespace yade {
 
 namespace {
-    constexpr int substepsMost = 5000; // of contacts in a step
+    constexpr int substepsMost = 5000;                        // of contacts in a step
     constexpr Real normalUnsolved = .1, frictionUnsolved = 1; // parts of the largest force by which one may be off
-    constexpr int restingSteps = 100;  // of the cable, that an element should be able to move before it leaves its box
-    constexpr Real stepsAhead = 2.5;   // more than what the functors look for, as speeds grow until boxes are new
-    constexpr Real marginAhead = .05;  // and this part of the radius besides
+    constexpr int restingSteps = 100; // of the cable, that an element should be able to move before it leaves its box
+    constexpr Real stepsAhead = 2.5;  // more than what the functors look for, as speeds grow until boxes are new
+    constexpr Real marginAhead = .05; // and this part of the radius besides
 
     Vector3r vectorOf(const Real* p) { return Vector3r(p[0], p[1], p[2]); }
 
