@@ -122,9 +122,9 @@ static int compare(const void* a, const void* b) {
     return (x > y) - (x < y);
 }
 
-static double median(double* t) {
-    qsort(t, REPEATS, sizeof *t, compare);
-    return t[REPEATS / 2];
+static double median(double* t, int n) {
+    qsort(t, (size_t)n, sizeof *t, compare);
+    return t[n / 2];
 }
 
 // Medians [us] of our step and of the textbook's force, taken in turn so that both see the same machine.
@@ -144,8 +144,8 @@ static void measure(double* step, double* textbook, built* b, double h) {
         ours[r] = (middle - start) / STEPS * 1e6;
         theirs[r] = (now() - middle) / STEPS * 1e6;
     }
-    *step = median(ours);
-    *textbook = median(theirs);
+    *step = median(ours, REPEATS);
+    *textbook = median(theirs, REPEATS);
     free(force);
 }
 
@@ -164,17 +164,17 @@ static int same_force(const built* b) {
     return off < 1e-9 * largest;
 }
 
-// Median [ns] of a step of an element by a clock.
+// Median [ns] of a step of an element by a clock, of single steps: other work then spoils few of them.
 static double cost(built* b, double h, clockid_t clock) {
-    double taken[REPEATS];
+    double taken[STEPS];
     ancf_time time = {0};
     run_leapfrog(b->m, h, 10, &time);
-    for (int r = 0; r < REPEATS; ++r) {
+    for (int r = 0; r < STEPS; ++r) {
         const double start = read_clock(clock);
-        run_leapfrog(b->m, h, 10, &time);
-        taken[r] = (read_clock(clock) - start) / 10 / b->def.n_elements * 1e9;
+        run_leapfrog(b->m, h, 1, &time);
+        taken[r] = (read_clock(clock) - start) / b->def.n_elements * 1e9;
     }
-    return median(taken);
+    return median(taken, STEPS);
 }
 
 static void long_cables(FILE* file, const char* host) {
