@@ -11,21 +11,25 @@ enum { ELEMENT_PAIRS = 10 };
 static const int pair_row[ELEMENT_PAIRS] = {0, 1, 1, 2, 2, 2, 3, 3, 3, 3};
 static const int pair_column[ELEMENT_PAIRS] = {0, 0, 1, 0, 1, 2, 0, 1, 2, 3};
 
-// Unknowns in the order of elements, so that a chain is a band: start node, start slope, end node, end slope.
+// Unknowns in the order of elements, so that a chain is a band, but from both ends of their row in turn: what is
+// eliminated one after the other then does not wait for each other, until both meet.
 static int number_unknowns(int* unknown, const ancf_model* m) {
     int n = 0;
     for (int i = 0; i < m->n_dof; ++i) unknown[i] = -1;
-    for (int e = 0; e < m->n_elements; ++e) {
+    for (int turn = 0; turn < m->n_elements; ++turn) {
+        const bool last = turn % 2;
+        const int e = last ? m->n_elements - 1 - turn / 2 : turn / 2;
         int dof[4];
         const bool spring = m->element[e].kind & ANCF_SPRING;
         ancf_model_dofs(dof, m, e);
-        for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 4; ++k) {
+            const int i = last ? (k + 2) % 4 : k; // start node, start slope, end node, end slope, or the end first
             if (m->hold[dof[i]] || unknown[dof[i]] >= 0 || (i % 2 == 1 && spring)) continue;
             unknown[dof[i]] = n++;
             if (i == 3 && m->next[e] >= 0) unknown[m->n_nodes + m->next[e]] = unknown[dof[i]];
             if (i != 1) continue;
-            for (int k = m->first[dof[0]]; k < m->first[dof[0] + 1]; ++k) { // whose end this start goes on from
-                const int other = m->at[k] >> 1;
+            for (int j = m->first[dof[0]]; j < m->first[dof[0] + 1]; ++j) { // whose end this start goes on from
+                const int other = m->at[j] >> 1;
                 if (m->next[other] == e) unknown[m->n_nodes + m->n_elements + other] = unknown[dof[i]];
             }
         }
