@@ -17,11 +17,11 @@
 namespace yade {
 
 namespace {
-    constexpr int substepsMost = 5000;                        // of contacts in a step
-    constexpr Real normalUnsolved = .1, frictionUnsolved = 1; // parts of the largest force by which one may be off
-    constexpr int restingSteps = 100; // of the cable, that an element should be able to move before it leaves its box
-    constexpr Real stepsAhead = 2.5;  // more than what the functors look for, as speeds grow until boxes are new
-    constexpr Real marginAhead = .05; // and this part of the radius besides
+    constexpr int substepsMost = 5000; // of contacts in a step
+    constexpr Real unsolved = .1;      // part of the largest force by which one may be off
+    constexpr int restingSteps = 100;  // of the cable, that an element should be able to move before it leaves its box
+    constexpr Real stepsAhead = 2.5;   // more than what the functors look for, as speeds grow until boxes are new
+    constexpr Real marginAhead = .05;  // and this part of the radius besides
 
     Vector3r vectorOf(const Real* p) { return Vector3r(p[0], p[1], p[2]); }
 
@@ -401,12 +401,10 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     const Real pressLeft = ancf_table_press(t, time.step, needed);
     Real rubLeft = 0;
     const int sweeps = ancf_table_rub(t, time.step, &rubLeft);
-    const bool pressed = pressLeft <= normalUnsolved, rubbed = rubLeft <= frictionUnsolved;
-    if (!pressed || !rubbed)
-        cable.refuse(text("at iteration ", cable.scene->iter, " the ", pressed ? "friction" : "normal",
-                          " forces of contacts could not be solved, ", pressed ? rubLeft : pressLeft,
-                          " of the largest is left; the stiffest is ", nameOf(cable, stiffest), "; use O.dt < ",
-                          steps * time.step, " s, or masses and stiffnesses that differ less"));
+    if (!(pressLeft <= unsolved))
+        cable.refuse(text("at iteration ", cable.scene->iter, " the normal forces of contacts could not be solved, ",
+                          pressLeft, " of the largest is left; the stiffest is ", nameOf(cable, stiffest),
+                          "; use O.dt < ", steps * time.step, " s, or masses and stiffnesses that differ less"));
     if (sweeps > 0) ancf_table_couple(t, time.step);
     ancf_table_apply(t, m, time.step, after.data(), shift.data());
     ancf_table_end(t, time.step);
@@ -414,6 +412,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     cable.sweeps = std::max(cable.sweeps, sweeps);
     cable.normalLeft = std::max(cable.normalLeft, pressLeft);
     cable.frictionLeft = std::max(cable.frictionLeft, rubLeft);
+    if (!(rubLeft <= unsolved)) ++cable.frictionUnsolved;
 }
 
 string CableContacts::nameOf(const CableEngine& cable, int contact) const {
