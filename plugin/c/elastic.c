@@ -1,6 +1,7 @@
 #include "ancf/elastic.h"
 #include "ancf/shape.h"
 #include "internal.h"
+#include "strain.h"
 
 #include <float.h>
 #include <math.h>
@@ -9,13 +10,6 @@
 // and w = (a2, b2, c2, 2ab, 2ac, 2bc). The axial energy EA L/2 int eps^2 is therefore exactly (EA L/8) y^T W y with y =
 // G - 1 and the constant W = int w w^T; the force is the chain rule over G. Rates of G are objective, so Kelvin-Voigt
 // damping is y + eta dG/dt in the place of y.
-
-static const double gauss3_xi[3] = {0.5 - 0.38729833462074170, 0.5, 0.5 + 0.38729833462074170};
-static const double gauss3_weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
-static const double gauss5_xi[5] = {0.5 - 0.45308992296933199640, 0.5 - 0.26923465505284154552, 0.5,
-                                    0.5 + 0.26923465505284154552, 0.5 + 0.45308992296933199640};
-static const double gauss5_weight[5] = {0.11846344252809454376, 0.23931433524968323402, 0.28444444444444444444,
-                                        0.23931433524968323402, 0.11846344252809454376};
 
 static void strain_weights(double w[6], double xi) {
     double s[3];
@@ -42,8 +36,6 @@ void ancf_axial_rules(double exact[21], double reduced[21]) {
     axial_rule(exact, 5, gauss5_xi, gauss5_weight);
     axial_rule(reduced, 3, gauss3_xi, gauss3_weight);
 }
-
-ANCF_INLINE double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 ANCF_INLINE void gram_of(double G[6], const double g0[3], const double d[3], const double g1[3]) {
     G[0] = dot(g0, g0);
@@ -72,9 +64,6 @@ ANCF_INLINE void multiply6(double h[6], const double W[21], const double y[6]) {
     h[4] = W[4] * y[0] + W[9] * y[1] + W[13] * y[2] + W[16] * y[3] + W[18] * y[4] + W[19] * y[5];
     h[5] = W[5] * y[0] + W[10] * y[1] + W[14] * y[2] + W[17] * y[3] + W[19] * y[4] + W[20] * y[5];
 }
-
-// Curvature below which its direction is noise, times L.
-static const double tiny_curvature2 = 1e-18;
 
 // EI/2 int |r''|^2 ds = (EI/L)(2 u.u + 2 v.v + 2 u.v), u = g0 - d, v = g1 - d: adds to the forces on g0, d, g1.
 ANCF_INLINE void bend_fast(double f0[3], double fd[3], double f1[3], const double u[3], const double v[3], double ei) {

@@ -27,4 +27,13 @@ void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi
 void ancf_model_mean_weights(double S[4], const ancf_model* m, int element, const double power[3]);
 void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, double xi); // in dr/dxi
 
+// Adds m->external and gravity to the forces of elements, and joins them.
+void ancf_add_loads(const ancf_model* m, double* force);
+
+// Whether a sum over all unknowns takes this one: of a shared slope's two copies the start's alone.
+static inline bool ancf_model_counts(const ancf_model* m, int dof) {
+    const int end = dof - m->n_nodes - m->n_elements;
+    return end < 0 || m->next[end] < 0;
+}
+
 #endif

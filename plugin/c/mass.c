@@ -21,6 +21,7 @@ struct ancf_mass {
     int *begin, *index; // columns of L below the diagonal, each sorted
     double *value, *pivot;
     double (*rhs)[4];   // (n) right-hand sides x, y, z side by side
+    double* matrix;     // (6 x n_elements) what an element's matrix consists of
     double* slope_flex; // (n_elements) 60/(m L^2), condensed only
     double* push;       // (6 x n_elements) what the slopes' forces do to the nodes
     int lanes;          // n rounded up, 0: the nodes' matrix is not inverted
@@ -55,6 +56,16 @@ void ancf_mass_weight(double w[4], const ancf_element* el) {
     w[0] = w[2] = m / 2.0;
     w[1] = el->kind & ANCF_SPRING ? 0.0 : m * L / 12.0;
     w[3] = -w[1];
+}
+
+// The six different entries of every element's matrix (a b c -d; b e d f; c d a -b; -d f -b e).
+static void list_matrices(ancf_model* m) {
+    for (int e = 0; e < m->n_elements; ++e) {
+        double M[4][4];
+        ancf_mass_element(M, &m->element[e]);
+        const double entry[6] = {M[0][0], M[0][1], M[0][2], M[1][2], M[1][1], M[1][3]};
+        for (int k = 0; k < 6; ++k) m->mass->matrix[k * m->n_elements + e] = entry[k];
+    }
 }
 
 // Mass of every unknown if the matrix is diagonal, shared slopes joined.
@@ -240,12 +251,14 @@ ancf_error ancf_mass_create(ancf_model* m, const double* added) {
     mass->added = calloc((size_t)m->n_nodes, sizeof *mass->added);
     mass->own = calloc((size_t)m->stride, sizeof *mass->own);
     mass->row = calloc((size_t)m->stride, sizeof *mass->row);
+    mass->matrix = calloc(6 * (size_t)m->n_elements, sizeof *mass->matrix);
     mass->slope_flex = calloc((size_t)m->n_elements, sizeof *mass->slope_flex);
     mass->push = calloc(6 * (size_t)m->n_elements, sizeof *mass->push);
-    if (!mass->inverse || !mass->added || !mass->own || !mass->row || !mass->slope_flex || !mass->push)
+    if (!mass->inverse || !mass->added || !mass->own || !mass->row || !mass->matrix || !mass->slope_flex || !mass->push)
         return ANCF_E_MEMORY;
     if (added) memcpy(mass->added, added, (size_t)m->n_nodes * sizeof *added);
 
+    list_matrices(m);
     double* diagonal = m->work;
     find_diagonal(diagonal, m);
     mass->diagonal = true;
@@ -277,6 +290,7 @@ void ancf_mass_destroy(ancf_mass* mass) {
     free(mass->value);
     free(mass->pivot);
     free(mass->rhs);
+    free(mass->matrix);
     free(mass->slope_flex);
     free(mass->push);
     free(mass->full);
@@ -462,18 +476,34 @@ void ancf_mass_solve(const ancf_model* m, double* acceleration, const double* fo
     else if (m->mass->n > 0) solve_consistent(m, acceleration, force);
 }
 
-void ancf_mass_multiply(const ancf_model* m, double* product, const double* field) {
-    memset(product, 0, 3 * (size_t)m->stride * sizeof *product);
-    for (int e = 0; e < m->n_elements; ++e) {
-        double M[4][4];
-        int dof[4];
-        ancf_mass_element(M, &m->element[e]);
-        ancf_model_dofs(dof, m, e);
-        for (int c = 0; c < 3; ++c)
-            for (int i = 0; i < 4; ++i)
-                for (int j = 0; j < 4; ++j) product[c * m->stride + dof[i]] += M[i][j] * field[c * m->stride + dof[j]];
+// Along one axis: the slopes' part of the product, and what each element's ends (n each) add at their nodes.
+ANCF_CLONES static void multiply_elements(const ancf_model* m, double* product, const double* field, double* start,
+                                          double* end) {
+    const int n = m->n_elements;
+    const double *g0 = field + m->n_nodes, *g1 = g0 + n, *a = m->mass->matrix;
+    const double *b = a + n, *c = b + n, *d = c + n, *ee = d + n, *f = ee + n;
+    double *p0 = product + m->n_nodes, *p1 = p0 + n;
+#pragma GCC ivdep
+    for (int e = 0; e < n; ++e) {
+        const double r0 = field[m->ends[2 * e]], r1 = field[m->ends[2 * e + 1]];
+        start[e] = a[e] * r0 + b[e] * g0[e] + c[e] * r1 - d[e] * g1[e];
+        p0[e] = b[e] * r0 + ee[e] * g0[e] + d[e] * r1 + f[e] * g1[e];
+        end[e] = c[e] * r0 + d[e] * g0[e] + a[e] * r1 - b[e] * g1[e];
+        p1[e] = ee[e] * g1[e] - d[e] * r0 + f[e] * g0[e] - b[e] * r1;
     }
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_nodes; ++i) product[c * m->stride + i] += m->mass->added[i] * field[c * m->stride + i];
+}
+
+void ancf_mass_multiply(const ancf_model* m, double* product, const double* field) {
+    const int n = m->n_elements;
+    for (int c = 0; c < 3; ++c) {
+        const double* x = field + c * m->stride;
+        double *p = product + c * m->stride, *at_ends = m->mass->push;
+        multiply_elements(m, p, x, at_ends, at_ends + n);
+        for (int i = 0; i < m->n_nodes; ++i) {
+            p[i] = m->mass->added[i] * x[i];
+            for (int k = m->first[i]; k < m->first[i + 1]; ++k) p[i] += at_ends[(m->at[k] & 1) * n + (m->at[k] >> 1)];
+        }
+        for (int i = m->n_dof; i < m->stride; ++i) p[i] = 0.0;
+    }
     ancf_model_join(m, product);
 }

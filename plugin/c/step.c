@@ -12,15 +12,19 @@ ANCF_CLONES static void add_scaled(double* sum, const double* a, double factor, 
     for (int i = 0; i < n; ++i) sum[i] = a[i] + factor * b[i];
 }
 
+void ancf_add_loads(const ancf_model* m, double* force) {
+    add_scaled(force, force, 1.0, m->external, 3 * m->stride);
+    ancf_model_join(m, force);
+    for (int c = 0; c < 3; ++c) // joined already
+        if (m->gravity[c] != 0.0)
+            add_scaled(force + c * m->stride, force + c * m->stride, m->gravity[c], m->weight, m->n_dof);
+}
+
 // m->f = all forces but contact at a state.
 static void total_force(ancf_model* m, const double* x, const double* v) {
     ancf_elastic_force(m, m->f, x, v);
     if (m->track) memcpy(m->work + 6 * m->stride, m->f, field_size(m)); // for note_damping
-    add_scaled(m->f, m->f, 1.0, m->external, 3 * m->stride);
-    ancf_model_join(m, m->f);
-    for (int c = 0; c < 3; ++c) // joined already
-        if (m->gravity[c] != 0.0)
-            add_scaled(m->f + c * m->stride, m->f + c * m->stride, m->gravity[c], m->weight, m->n_dof);
+    ancf_add_loads(m, m->f);
 }
 
 void ancf_acceleration(ancf_model* m, const double* x, const double* v) {

@@ -175,6 +175,24 @@ void CableCheck::partners(Body::id_t first) const {
     }
 }
 
+void CableCheck::implicit() const {
+    const auto refuse = [&](const string& why) {
+        throw std::invalid_argument(
+            text("CableEngine ", cable.family, ": integrator = 'implicit' ", why, ", or take integrator = 'leapfrog'"));
+    };
+    if (!elements.empty())
+        refuse(text("knows no contact, and ", nameOf(*elements.begin()->second.front()),
+                    " may touch something: make the cable with contactPoints=0"));
+    for (size_t i = 0; i < cable.carryIds.size(); ++i)
+        if (cable.carrierOf(cable.carryIds[i]) < 0)
+            refuse(text("knows bodies at their centre alone, and node ", cable.carryNodes[i], " carries body ",
+                        cable.carryIds[i], " off its centre or on a guide: carry it at (0, 0, 0)"));
+    for (const auto& body : *cable.theScene().bodies)
+        if (body && mayMeet(*body))
+            refuse(text("knows no contact, and ", nameOf(*body),
+                        " may touch a sphere that a knot carries: keep them apart by groupMask"));
+}
+
 // ---------------------------------------------------------------- overlaps
 
 void CableCheck::overlapsOfElements(vector<Overlap>& found, Real part) const {

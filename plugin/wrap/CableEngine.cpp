@@ -39,6 +39,7 @@ shared_ptr<const CableView> CableEngine::viewOf(const Scene& scene, int family) 
 
 void CableEngine::changed() {
     touching.reset();
+    implicit.reset();
     model.reset();
     pairsChecked = partnersChecked = false;
     openAccounts.clear();

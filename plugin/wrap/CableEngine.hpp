@@ -10,6 +10,7 @@
 #include <memory>
 
 extern "C" {
+#include "ancf/implicit.h"
 #include "ancf/model.h"
 #include "ancf/step.h"
 }
@@ -26,7 +27,12 @@ class CableEngine : public GlobalEngine {
         void operator()(ancf_model* m) const { ancf_model_destroy(m); }
     };
 
+    struct ImplicitDeleter {
+        void operator()(ancf_implicit* s) const { ancf_implicit_destroy(s); }
+    };
+
     std::unique_ptr<ancf_model, ModelDeleter> model;
+    std::unique_ptr<ancf_implicit, ImplicitDeleter> implicit; // where that is the integrator
     CableContacts touching;
     vector<int> carrierOfBody;     // (bodies) number in carryNodes of a body that is centred on its knot, or -1
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
@@ -38,7 +44,8 @@ class CableEngine : public GlobalEngine {
     bool pairsChecked = false, partnersChecked = false;
     long checkedIter = -1;
     Real checkedStep = 0;
-    int elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1, pressIx = -1;
+    int lostIx = -1, elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1,
+        pressIx = -1;
 
     Scene& theScene() const;
     ancf_model* theModel() const { return model.get(); }
@@ -50,6 +57,7 @@ class CableEngine : public GlobalEngine {
     void checkUnclaimed(int node) const;
     void changed();
     void makeModel();
+    void makeImplicit();
     void mapBodies();
     void checkPairs() const;
     void checkScene() const;
@@ -62,6 +70,9 @@ class CableEngine : public GlobalEngine {
     void holdNodes();
     void gatherForces();
     void scatter();
+    void startAfresh();
+    void stepExplicit(int inside);
+    void stepImplicit();
     void noteEnergy(const ancf_time& time);
     void trackEnergy();
 
@@ -98,6 +109,7 @@ public:
     Real criticalTimeStep();
     void relax(Real tolerance, int iterations);
     void check();
+    void checkIntegrator();
     py::list overlaps(Real part);
     void build();
     int getStride() const { return ancf_stride(nNodes, nElements()); }
@@ -109,12 +121,17 @@ public:
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(CableEngine, GlobalEngine,
         "Moves cables and nets of ANCF elements or springs, solves their contacts, and carries bodies with their knots. "
         "Between InteractionLoop and NewtonIntegrator. Filled by the Python classes Cable and Net of the package ancf.",
-        ((string, integrator, "leapfrog", , "'leapfrog', or 'rk4' (a reference: four force evaluations; knows no contact)."))
+        ((string, integrator, "leapfrog", Attr::triggerPostLoad, "'leapfrog'; 'implicit' (generalised-alpha, steps as long as accuracy allows; knows no contact, nor bodies off their centre) or 'rk4' (a reference: four force evaluations; knows neither)."))
+        ((Real, spectralRadius, .9, Attr::triggerPostLoad, "Of implicit steps: factor by which a step damps motions that it cannot resolve, 0 to 1 (nothing is lost)."))
         ((int, substeps, 0, , "Steps of the cable inside one O.dt, contacts acting in each; 0: as many as it needs."))
         ((int, family, 0, , "Number of this engine, unique in the scene."))
         ((int, nNodes, 0, Attr::readonly, "Number of nodes."))
         ((vector<Real>, position, , , "Positions of nodes [m] and slopes [-]: blocks x, y, z of `stride`, in each the nodes, the slopes at the starts of all elements, those at the ends."))
-        ((vector<Real>, velocity, , , "Their rates at the last half step, in the same order [m/s, 1/s]."))
+        ((vector<Real>, velocity, , , "Their rates at the last half step, with implicit steps at the time of the positions, in the same order [m/s, 1/s]."))
+        ((vector<Real>, acceleration, , Attr::readonly, "What implicit steps carry along besides: accelerations, in the same order; empty with other integrators [m/s², 1/s²]."))
+        ((int, rejectedSteps, 0, Attr::readonly, "Implicit steps, and parts of them, that did not converge and were taken again in halves, since the engine was made ready."))
+        ((int, newtonIterations, 0, Attr::readonly, "Newton's iterations in the last implicit step."))
+        ((int, stepParts, 0, Attr::readonly, "In how many parts the last implicit step was taken."))
         ((vector<int>, ends, , Attr::readonly, "Start and end node of every element."))
         ((vector<int>, next, , Attr::readonly, "Element into which an element goes on smoothly, or -1."))
         ((vector<int>, kind, , Attr::triggerPostLoad, "Kind of every element: 1 spring, 2 lumped mass, 4 reduced axial rule, 8 exact curvature, added up."))
@@ -188,6 +205,7 @@ public:
         .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cables at their strain now, at least 0.1, whether they touch or not [s].")
         .def("relax", &CableEngine::relax, (py::arg("tolerance"), py::arg("iterations")), "Moves the cables to static equilibrium, on what they lie on, without friction; RuntimeError if there is none, or a body that they press on may move.")
         .def("check", &CableEngine::check, "Refuses what cables may meet and cannot compute: cables of other engines, bodies of other shapes, without size, elastic constants, or a mass to move with. RuntimeError that names the body. Done by ancf.check().")
+        .def("checkIntegrator", &CableEngine::checkIntegrator, "ValueError for what implicit steps cannot carry, if they are chosen: contact, and bodies off their centre. Done by ancf.engines() and at the first step.")
         .def("overlaps", &CableEngine::overlaps, (py::arg("part")), "What cables, and spheres that knots carry, overlap now by more than a part of the smaller radius: tuples of an element or carried sphere, a body, the place [m], the depth and the smaller radius [m].")
         .def("build", &CableEngine::build, "Checks everything and gets ready; done by itself at the first step.")
     )

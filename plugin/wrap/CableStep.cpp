@@ -50,6 +50,15 @@ void CableEngine::makeModel() {
     model.reset(made);
 }
 
+void CableEngine::makeImplicit() {
+    implicit.reset();
+    if (integrator != "implicit") return;
+    ancf_implicit* made = nullptr;
+    if (const ancf_error error = ancf_implicit_create(&made, model.get(), spectralRadius))
+        refuse(ancf_error_text(error));
+    implicit.reset(made);
+}
+
 // Which bodies are carried at their centres.
 void CableEngine::mapBodies() {
     const Scene& s = theScene();
@@ -76,7 +85,8 @@ void CableEngine::build() {
     touching.reset();
     makeModel();
     loaded = true;
-    mapBodies();
+    checkIntegrator();
+    makeImplicit();
     if (anyCoupled && substeps > 1)
         refuse(text("substeps = ", substeps,
                     ": a body is carried off its centre or guided, which needs substeps = 1 or 0"));
@@ -141,7 +151,7 @@ void CableEngine::scatter() {
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         if (carrierOf(carryIds[i]) < 0) continue;
         State& state = *(*scene->bodies)[carryIds[i]]->state;
-        state.vel = nodeOf(model->v, model->stride, carryNodes[i]);
+        state.vel = nodeOf(implicit ? model->free : model->v, model->stride, carryNodes[i]); // the mean of the step
         state.pos = nodeOf(model->x, model->stride, carryNodes[i]) - scene->dt * state.vel;
     }
 }
@@ -151,7 +161,10 @@ void CableEngine::getReady() {
     try {
         if (pairsChecked) {
             checkBodies();
-            if (known != scene->bodies->size()) CableCheck(*this).partners(static_cast<Body::id_t>(known));
+            if (known != scene->bodies->size()) {
+                CableCheck(*this).partners(static_cast<Body::id_t>(known));
+                checkIntegrator();
+            }
         } else {
             build(); // engines that drive bodies may have come since
             checkPairs();
@@ -161,22 +174,10 @@ void CableEngine::getReady() {
         throw;
     }
     pairsChecked = true;
-    if (known != scene->bodies->size()) mapBodies();
 }
 
-void CableEngine::action() {
-    getReady();
-    model->x = position.data();
-    model->v = velocity.data();
-    model->track = scene->trackEnergy;
-    const int inside = stepsInside();
-    checkStep(inside);
-    if (const NewtonIntegrator* newton = newtonOf(*scene)) gravity = newton->gravity;
-    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
-
-    eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });
-    holdNodes();
-    gatherForces();
+// Steps of the cable inside this one, and what touches in them.
+void CableEngine::stepExplicit(int inside) {
     Real dampedBefore = 0; // the positions that the step starts from
     for (int k = 0; k < inside; ++k) {
         const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
@@ -198,6 +199,51 @@ void CableEngine::action() {
     model->damping_half = dampedBefore;
     scatter();
     touching.look(*this);
+}
+
+// Nothing touches in it.
+void CableEngine::stepImplicit() {
+    const ancf_time time {scene->dt, lastStep};
+    if (scene->trackEnergy) noteEnergy(time);
+    const ancf_error error =
+        ancf_implicit_step(implicit.get(), model.get(), acceleration.data(), &time, std::max(1, substeps));
+    rejectedSteps = static_cast<int>(implicit->rejected);
+    newtonIterations = implicit->iterations;
+    stepParts = implicit->parts;
+    if (error)
+        refuse(text("at iteration ", scene->iter, " the implicit step O.dt = ", scene->dt,
+                    " s does not converge, not in ", stepParts, " parts either (element ", implicit->element,
+                    "): a force is not finite, or something moves too fast; look there, use a shorter O.dt or damping, "
+                    "or integrator = 'leapfrog'"));
+    lastStep = scene->dt;
+    for (size_t i = 0; i < carryNodes.size(); ++i) setCarryReaction(i, Vector3r::Zero());
+    scatter();
+}
+
+// Velocities of implicit steps are those of the positions: leapfrog starts from them with half a kick.
+void CableEngine::startAfresh() {
+    const bool known = acceleration.size() == position.size();
+    if (known == (integrator == "implicit")) return;
+    acceleration.assign(known ? 0 : position.size(), 0);
+    lastStep = 0;
+}
+
+void CableEngine::action() {
+    getReady();
+    startAfresh();
+    model->x = position.data();
+    model->v = velocity.data();
+    model->track = scene->trackEnergy;
+    const int inside = stepsInside();
+    checkStep(inside);
+    if (const NewtonIntegrator* newton = newtonOf(*scene)) gravity = newton->gravity;
+    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
+
+    eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });
+    holdNodes();
+    gatherForces();
+    if (implicit) stepImplicit();
+    else stepExplicit(inside);
     if (scene->trackEnergy) trackEnergy();
 }
 

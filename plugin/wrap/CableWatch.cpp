@@ -41,8 +41,10 @@ void CableEngine::checkPairs() const {
 void CableEngine::checkScene() const {
     const Scene& s = theScene();
     if (s.isPeriodic) refuse("a periodic cell is not supported: set O.periodic = False");
-    if (integrator != "leapfrog" && integrator != "rk4")
-        refuse(text("integrator = '", integrator, "': must be 'leapfrog' or 'rk4'"));
+    if (integrator != "leapfrog" && integrator != "rk4" && integrator != "implicit")
+        refuse(text("integrator = '", integrator, "': must be 'leapfrog', 'implicit' or 'rk4'"));
+    if (!(spectralRadius >= 0 && spectralRadius <= 1))
+        refuse(text("spectralRadius = ", spectralRadius, ": must be from 0 to 1"));
     if (substeps < 0) refuse(text("substeps = ", substeps, ": must be 0 (automatic) or more"));
     bool seen = false, moved = false;
     for (const auto& engine : s.engines) {
@@ -81,6 +83,11 @@ void CableEngine::checkPartners() {
     partnersChecked = true;
 }
 
+void CableEngine::checkIntegrator() {
+    mapBodies();
+    if (integrator == "implicit") CableCheck(*this).implicit();
+}
+
 void CableEngine::check() {
     checkScene();
     const CableCheck check(*this);
@@ -101,7 +108,7 @@ py::list CableEngine::overlaps(Real part) {
 
 // Steps of the cable in this O.dt.
 int CableEngine::stepsInside() {
-    if (integrator == "rk4") return 1;
+    if (integrator != "leapfrog") return 1;
     if (substeps > 0 || coupled()) return std::max(1, substeps);
     return std::max(1, static_cast<int>(std::ceil(theScene().dt / substepLimit)));
 }

@@ -19,6 +19,8 @@ LAW_OPTIONS = {
 
 SOLIDS = ("Sphere", "Box", "Facet", "Wall")  # that cables touch, sheaves besides
 
+IMPLICIT_STEP = 1e-3  # [s]
+
 # Overlap at the start, in the smaller radius of both
 DEEPEST_START = 0.5  # more is refused
 DEEP_START = 0.1  # more is warned of
@@ -37,7 +39,8 @@ def engines(
 
     structures   cables and nets; those not appended yet are appended to one engine
     gravity      [m/s2]
-    integrator   'leapfrog' or 'rk4'
+    integrator   'leapfrog'; 'implicit' for smooth cables that touch nothing (contactPoints=0): O.dt
+                 is then a matter of accuracy and set to 1 ms; 'rk4' is a reference
     substeps     of the cables inside O.dt, with contacts in each: 'auto' takes one, more only if
                  O.dt is raised later; a number exactly that many. 3 take 15 to 35 % off the time of
                  a capture; restitution at 10 m/s is then off by 2 %, undamped by up to 7 %
@@ -60,7 +63,7 @@ def engines(
     if not structures:
         raise ValueError("engines(): give at least one Cable or Net")
     gravity = values.vector("engines: gravity", gravity)
-    values.choice("engines: integrator", integrator, ("leapfrog", "rk4"))
+    values.choice("engines: integrator", integrator, ("leapfrog", "implicit", "rk4"))
     steps = 0 if substeps == "auto" else values.count("engines: substeps", substeps, 1)
     law = _lawOptions(contact)
     if verletDist is None:
@@ -72,6 +75,7 @@ def engines(
         engine.integrator, engine.substeps = integrator, steps
         for name, value in law.items():
             setattr(engine, name, value)
+        engine.checkIntegrator()
     for structure in structures:
         if getattr(structure, "folded", False) and O.iter == 0:
             _checkFolded(structure)
@@ -153,6 +157,9 @@ def timeStep(engines=None, speed=None, law=None):
     speed = fastest() if speed is None else values.positive("timeStep: speed", speed, "m/s")
     steps = [(law or _hollarsLaw()).contactTimeStep(speed)]
     for engine in engines:
+        if engine.integrator == "implicit":
+            steps.append(IMPLICIT_STEP)
+            continue
         divides = engine.integrator == "leapfrog" and not engine.coupled
         inside = max(1, engine.substeps) if divides else 1
         steps.append(inside * engine.criticalTimeStep())
