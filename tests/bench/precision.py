@@ -72,19 +72,17 @@ def ours(name, quick):
     return [Row(**row) for row in process(command)]
 
 
-def theirs(python, program):
-    """{case: rows} of another program."""
-    given = smooth.forPeers()
-    given["net"] = nets.forPeers()
+def theirs(python, program, names):
+    """{case: rows} of another program, of the named cases that it can do."""
+    given = smooth.forPeers(names)
+    given["net"] = nets.forPeers() if "net on ball" in names else None
     script = str(ROOT / "tests" / "bench" / "workprecision" / "peers.py")
     found = {}
     for name, method, n, integrator, step, cpu, value in process(
         [python, script, program], json.dumps(given)
     ):
-        module = smooth if name in smooth.CASES else nets
-        error = module.peerError(name, value)
-        row = Row(method, n, "", integrator, step, cpu, error)
-        found.setdefault(name, []).append(row)
+        error = (smooth if name in smooth.CASES else nets).peerError(name, value)
+        found.setdefault(name, []).append(Row(method, n, "", integrator, step, cpu, error))
     return found
 
 
@@ -132,9 +130,8 @@ def main():
     for name in names:  # in turns: a case of ours, another program
         found.setdefault(name, [])[:0] = ours(name, args.quick)
         if others:
-            for case, rows in theirs(args.peers, others.pop(0)).items():
-                if case in names:
-                    found.setdefault(case, []).extend(rows)
+            for case, rows in theirs(args.peers, others.pop(0), names).items():
+                found.setdefault(case, []).extend(rows)
     for name in names:
         for row in found[name]:
             print(

@@ -30,7 +30,7 @@ PRETENSION, SPEED, TORQUE, INERTIA = 20.0, 2.0, 0.3, 2e-4  # [N], [m/s], [N m], 
 RUN = 0.16  # [s]; creep is that of its second half
 
 ANGLES = (30.0, 20.0, 15.0, 10.0)  # of wrap that an element takes [deg]
-BELT_ANGLES = (30.0, 20.0, 15.0)
+BELT_ANGLES = (30.0, 20.0)
 PARTS = (0.8, 0.4)  # of the critical step
 LINKS, FEW_LINKS = (10.0, 5.0, 2.5), (10.0, 5.0)  # of wrap that a link of a chain takes [deg]
 SETTLE = 0.3  # NewtonIntegrator.damping of chains, that rest but for their ringing
