@@ -32,16 +32,21 @@ MODULES = (smooth, nets, sheaves, floor)
 CASES = {name: case for module in MODULES for name, case in module.CASES.items()}
 # Title, what is off, and the stored reference that says how well the truth is known.
 SHOWN = {
-    "pendulum": ("Flexible pendulum, 1 s", "tip [m]", "pendulum, Green strain"),
-    "string": ("Plucked string, 3.3 periods", "RMS of nodes / amplitude", None),
-    "cantilever": ("Cantilever, let go", "tip [m]", "cantilever"),
-    "net opens": ("Folded net, 0.1 s after the shot", "RMS of knots [m]", "net opens"),
-    "net on ball": ("Flat net on a ball", "impulse, relative", "net on ball"),
-    "capstan": ("Capstan, half a turn", "ratio of tensions, relative", None),
-    "belt": ("Belt drive below slip", "creep, relative", None),
-    "catenary on a floor": ("Cable partly on a floor", "RMS of nodes [m]", None),
+    "pendulum": ("Flexible pendulum, 1 s", "the tip [m]", "pendulum, green strain"),
+    "string": ("Plucked string, 3.3 periods", "nodes, RMS / amplitude", None),
+    "cantilever": ("Cantilever, let go", "the tip [m]", "cantilever"),
+    "net opens": ("Folded net, 0.1 s after the shot", "knots, RMS [m]", "net opens"),
+    "net on ball": ("Flat net on a ball", "the impulse, relative", "net on ball"),
+    "capstan": ("Capstan, half a turn", "T2/T1, relative", None),
+    "belt": ("Belt drive below slip", "the creep, relative", None),
+    "catenary on a floor": ("Cable partly on a floor", "nodes, RMS [m]", None),
 }
-PEERS = ("exudyn", "elastica", "mujoco")
+PEERS = {
+    "pendulum": ("exudyn", "elastica", "mujoco"),
+    "string": ("exudyn", "elastica"),
+    "cantilever": ("exudyn", "elastica", "mujoco"),
+    "net on ball": ("mujoco",),
+}
 LIMIT = 900  # a process may take [s]
 MARK = "result: "
 OUT = ROOT / "docs" / "images" / "precision"
@@ -72,18 +77,16 @@ def ours(name, quick):
     return [Row(**row) for row in process(command)]
 
 
-def theirs(python, program, names):
-    """{case: rows} of another program, of the named cases that it can do."""
-    given = smooth.forPeers(names)
-    given["net"] = nets.forPeers() if "net on ball" in names else None
+def theirs(python, program, name):
+    """Rows of another program."""
+    module = smooth if name in smooth.CASES else nets
     script = str(ROOT / "tests" / "bench" / "workprecision" / "peers.py")
-    found = {}
-    for name, method, n, integrator, step, cpu, value in process(
-        [python, script, program], json.dumps(given)
+    rows = []
+    for method, n, integrator, step, cpu, value in process(
+        [python, script, program], json.dumps(module.forPeers(name))
     ):
-        error = (smooth if name in smooth.CASES else nets).peerError(name, value)
-        found.setdefault(name, []).append(Row(method, n, "", integrator, step, cpu, error))
-    return found
+        rows.append(Row(method, n, "", integrator, step, cpu, module.peerError(name, value)))
+    return rows
 
 
 def save(name, rows, here):
@@ -125,21 +128,19 @@ def main():
     if args.references:
         for module in (smooth, nets):
             references.store(module.makeReferences())
-    names = args.only or list(CASES)
-    found, others = {}, list(PEERS) if args.peers and not args.quick else []
-    for name in names:  # in turns: a case of ours, another program
-        found.setdefault(name, [])[:0] = ours(name, args.quick)
-        if others:
-            for case, rows in theirs(args.peers, others.pop(0), names).items():
-                found.setdefault(case, []).extend(rows)
-    for name in names:
-        for row in found[name]:
+    for name in args.only or CASES:
+        rows = ours(name, args.quick)
+        if args.peers and not args.quick:
+            for program in PEERS.get(name, ()):
+                rows += theirs(args.peers, program, name)
+        for row in rows:
             print(
                 f"{name:20}{row.method:30}{row.elements:4}  {row.integrator:13}{row.mass:11}"
-                f"{row.step:10.3g} s{row.cpu:10.4g} s  error {row.error:9.3g} {row.second:9.3g}"
+                f"{row.step:10.3g} s{row.cpu:10.4g} s  error {row.error:9.3g} {row.second:9.3g}",
+                flush=True,
             )
         if not args.quick:
-            save(name, found[name], here)
+            save(name, rows, here)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ GAP = 0.02  # between net and ball at the start [m]
 ASIDE = (0.013, 0.007)  # of the ball's centre from the net's axis [m]
 CHAIN = dict(young=given.YOUNG, radius=0.5e-3, density=given.ASSUMED["density"])
 SOFT = 0.7  # of the critical step of chains, with the contact's stiffness
+LOOKS = 100  # at the energy in a run
 DAMPINGS = (0.02, 0.05, 0.1)  # of MuJoCo's edges [N s/m]
 
 ELEMENTS, CONSISTENT = (1, 2, 3), (1, 2)
@@ -98,7 +99,8 @@ def energyOff(n, mass, part, model):
     O.step()
     start, worst = O.energy.total(), 0.0
     while O.time < MEETING:
-        O.run(20, True)
+        for _ in range(math.ceil(MEETING / O.dt / LOOKS)):
+            O.step()
         worst = max(worst, abs(O.energy.total() / start - 1))
     O.trackEnergy = False
     return worst
@@ -260,7 +262,7 @@ def peerError(name, impulse):
     return CASES[name].off(impulse)
 
 
-def forPeers():
+def forPeers(name):
     """The flat net for peers: points, pairs, bullets, ball, and so on."""
     answer = {}
     for parts in LINKS:

@@ -1,6 +1,6 @@
 """Other programs on the same cases, run by a Python that has them: peers.py PROGRAM, the case as
 JSON on stdin (smooth.forPeers, nets.forPeers). The last line of stdout is a list of runs:
-[case, method, elements, integrator, step [s], CPU time [s], what was measured].
+[method, elements, integrator, step [s], CPU time [s], what was measured].
 """
 
 import json
@@ -91,20 +91,18 @@ def exudyn(given):
         where = exu.OutputVariableType.Position
         return [list(system.GetNodeOutput(node, where)) for node in nodes]
 
-    for name, case in given["cables"].items():
-        duration, pace = case["duration"], case["pace"]
-        for n in given["elements"]:
-            for step in given["steps"]:
-                cpu, found = timed(
-                    lambda: build(case, n),
-                    lambda made: solve(made, "implicit", step * pace, duration),
-                )
-                yield name, "Exudyn implicit", n, "implicit", step * pace, cpu, found
-            step = 0.1 / n * math.sqrt(case["rhoA"] / case["ea"])
+    duration = given["duration"]
+    for n in given["elements"]:
+        for step in given["steps"]:
             cpu, found = timed(
-                lambda: build(case, n), lambda made: solve(made, "leapfrog", step, duration)
+                lambda: build(given, n), lambda made: solve(made, "implicit", step, duration)
             )
-            yield name, "Exudyn explicit", n, "leapfrog", step, cpu, found
+            yield "Exudyn implicit", n, "implicit", step, cpu, found
+        step = 0.1 / n * math.sqrt(given["rhoA"] / given["ea"])
+        cpu, found = timed(
+            lambda: build(given, n), lambda made: solve(made, "leapfrog", step, duration)
+        )
+        yield "Exudyn explicit", n, "leapfrog", step, cpu, found
 
 
 # ---- PyElastica ----------------------------------------------------------------------------------
@@ -173,14 +171,13 @@ def elastica(given):
             now = stepper.step(system, now, np.float64(step))
         return rod.position_collection.T.tolist()
 
-    for name, case in given["cables"].items():
-        march(build(case, 8), 1e-7, 3)
-        speed = math.sqrt(case["ea"] / case["rhoA"])
-        for n in given["segments"]:
-            steps = math.ceil(case["duration"] / (0.5 / n / speed))
-            step = case["duration"] / steps
-            cpu, found = timed(lambda: build(case, n), lambda made: march(made, step, steps))
-            yield name, "PyElastica", n, "leapfrog", step, cpu, found
+    march(build(given, 8), 1e-7, 3)
+    speed = math.sqrt(given["ea"] / given["rhoA"])
+    for n in given["segments"]:
+        steps = math.ceil(given["duration"] / (0.5 / n / speed))
+        step = given["duration"] / steps
+        cpu, found = timed(lambda: build(given, n), lambda made: march(made, step, steps))
+        yield "PyElastica", n, "leapfrog", step, cpu, found
 
 
 # ---- MuJoCo --------------------------------------------------------------------------------------
@@ -217,20 +214,21 @@ def mujoco(given):
         mj.mj_forward(model, data)
         return [data.site("tip").xpos.tolist()]
 
-    for name, case in given["cables"].items():
-        if name == "string":
-            continue  # capsules on joints do not stretch
-        for n in given["elements"][1:]:
-            for integrator, step in (("Euler", 1e-3), ("Euler", 2e-4), ("RK4", 1e-3)):
-                steps = round(case["duration"] / step)
-                cpu, found = timed(
-                    lambda: chain(case, n, step, integrator), lambda made: march(made, steps)
-                )
-                yield name, "MuJoCo capsules", n, integrator, step, cpu, found
-
-    net = given["net"]
-    if not net:
+    if "nets" in given:
+        yield from flexes(given)
         return
+    for n in given["elements"][1:]:
+        for integrator, step in (("Euler", 1e-3), ("Euler", 2e-4), ("RK4", 1e-3)):
+            steps = round(given["duration"] / step)
+            cpu, found = timed(
+                lambda: chain(given, n, step, integrator), lambda made: march(made, steps)
+            )
+            yield "MuJoCo capsules", n, integrator, step, cpu, found
+
+
+def flexes(net):
+    """Nets of springs on a ball in MuJoCo."""
+    import mujoco as mj
 
     def text(rows):
         return " ".join(" ".join(f"{value:.9g}" for value in row) for row in rows)
@@ -272,7 +270,7 @@ element="{text(it["pairs"])}" radius="{net["radius"]}" mass="{mass}">
                     lambda: flex(parts, step, damping), lambda made: meet(made, steps)
                 )
                 method = "MuJoCo flex of springs"
-                yield "net on ball", method, int(parts), "implicitfast", step, cpu, found
+                yield method, int(parts), "implicitfast", step, cpu, found
 
 
 def main():
