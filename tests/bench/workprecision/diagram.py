@@ -53,7 +53,7 @@ def draw(rows, title, label, floor, file):
     if floor:
         ax.axhline(floor, color="0.4", lw=0.9, ls=":")
         ax.annotate(
-            "reference known to this",
+            "a coarser reference is off by this",
             (0.01, floor),
             (0, 3),
             xycoords=("axes fraction", "data"),

@@ -174,7 +174,8 @@ def elastica(given):
     march(build(given, 8), 1e-7, 3)
     speed = math.sqrt(given["ea"] / given["rhoA"])
     for n in given["segments"]:
-        steps = math.ceil(given["duration"] / (0.5 / n / speed))
+        longest = min(0.5 / n, 1.2 * given["radius"]) / speed  # waves along it, turning of sections
+        steps = math.ceil(given["duration"] / longest)
         step = given["duration"] / steps
         cpu, found = timed(lambda: build(given, n), lambda made: march(made, step, steps))
         yield "PyElastica", n, "leapfrog", step, cpu, found
