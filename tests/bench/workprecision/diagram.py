@@ -8,9 +8,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 # One colour and marker a method wherever it appears: ours red, YADE's blue, other programs green.
 STYLES = {
     "ANCF lumped": ("#c0392b", "o", "-"),
-    "ANCF lumped, relax": ("#c0392b", "o", "-"),
+    "ANCF, relax": ("#c0392b", "o", "-"),
     "ANCF consistent": ("#e67e22", "s", "-"),
-    "ANCF consistent, relax": ("#e67e22", "s", "--"),
     "ANCF implicit": ("#8e44ad", "D", "-"),
     "ANCF lumped, one step in O.dt": ("#d98880", "o", ":"),
     "springs": ("#c9a227", "v", "-"),
