@@ -10,8 +10,10 @@
 
 enum { FIELDS = 13, ITERATIONS = 12, HALVINGS = 10 };
 static const double tolerance = 1e-8; // of what Newton's method leaves, in lengths of an element and as slope
-static const double farthest = 0.25; // that a slope or an element's chord over its length may turn or stretch in a step
-static const double slow = 0.1;      // corrections that shrink by no more get a new tangent
+// How far anything may turn or stretch in a step, as slope. Farther off, Newton's method finds states that a cable
+// would not come to, and the scheme may gain energy.
+static const double farthest = 0.25;
+static const double slow = 0.1; // corrections that shrink by no more get a new tangent
 
 ancf_error ancf_implicit_create(ancf_implicit** implicit, const ancf_model* m, double rho) {
     *implicit = NULL;
@@ -20,8 +22,8 @@ ancf_error ancf_implicit_create(ancf_implicit** implicit, const ancf_model* m, d
     if (!s) return ANCF_E_MEMORY;
     const size_t field = 3 * (size_t)m->stride;
     s->rho = rho;
-    s->per_size = calloc((size_t)m->stride + FIELDS * field, sizeof *s->per_size);
-    if (!s->per_size || ancf_stiffness_create(&s->stiffness, m)) {
+    s->fields = calloc(FIELDS * field, sizeof *s->fields);
+    if (!s->fields || ancf_stiffness_create(&s->stiffness, m)) {
         ancf_implicit_destroy(s);
         *implicit = NULL;
         return ANCF_E_MEMORY;
@@ -29,17 +31,14 @@ ancf_error ancf_implicit_create(ancf_implicit** implicit, const ancf_model* m, d
     double** const fields[FIELDS] = {&s->start_x, &s->start_v, &s->start_a, &s->old_x,  &s->old_v,
                                      &s->change,  &s->old_f,   &s->inertia, &s->held_a, &s->held_jerk,
                                      &s->kept_x,  &s->kept_v,  &s->kept_f};
-    for (int k = 0; k < FIELDS; ++k) *fields[k] = s->per_size + m->stride + (size_t)k * field;
-    for (int i = 0; i < m->n_dof; ++i) s->per_size[i] = i < m->n_nodes ? 0.0 : 1.0;
-    for (int k = 0; k < 2 * m->n_elements; ++k)
-        s->per_size[m->ends[k]] = fmax(s->per_size[m->ends[k]], m->inv_length[k / 2]);
+    for (int k = 0; k < FIELDS; ++k) *fields[k] = s->fields + (size_t)k * field;
     return ANCF_OK;
 }
 
 void ancf_implicit_destroy(ancf_implicit* s) {
     if (!s) return;
     ancf_stiffness_destroy(s->stiffness);
-    free(s->per_size);
+    free(s->fields);
     free(s);
 }
 
@@ -108,23 +107,11 @@ static weights weights_of(double rho) {
                       .gamma = 0.5 - alpha_m + alpha_f};
 }
 
-// Largest change, in its sizes.
-ANCF_CLONES static double size_of(const ancf_model* m, const double* per_size, const double* change) {
-    double largest = 0.0, sum = 0.0;
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_dof; ++i) {
-            const double size = per_size[i] * fabs(change[c * m->stride + i]);
-            largest = size > largest ? size : largest;
-            sum += size;
-        }
-    return isfinite(sum) ? largest : INFINITY;
-}
-
 static void find_fault(ancf_implicit* s, const ancf_model* m) {
     double largest = -1.0;
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < m->n_dof; ++i) {
-            const double size = s->per_size[i] * fabs(s->change[c * m->stride + i]);
+            const double size = s->stiffness->per_size[i] * fabs(s->change[c * m->stride + i]);
             if (size <= largest) continue;
             largest = size;
             s->element = i < m->n_nodes ? m->at[m->first[i]] >> 1 : (i - m->n_nodes) % m->n_elements;
@@ -150,7 +137,7 @@ static bool solve(ancf_implicit* s, ancf_model* m, double* a, const weights* w, 
         }
         ancf_stiffness_solve(s->stiffness, m, s->change, s->change);
         ++s->iterations;
-        const double size = size_of(m, s->per_size, s->change), shrinks = k > 0 ? size / last : 1.0;
+        const double size = ancf_stiffness_size(s->stiffness, m, s->change), shrinks = k > 0 ? size / last : 1.0;
         if (!isfinite(size)) return false;
         add_scaled(m->x, 1.0, s->change, n);
         add_scaled(m->v, rate, s->change, n);
@@ -212,28 +199,6 @@ static void note_losses(ancf_implicit* s, ancf_model* m, const weights* w) {
 
 // ---------------------------------------------------------------- steps
 
-// Whether an element turns or stretches more than a step can follow: there Newton's method finds states that a cable
-// would not come to, and the scheme may gain energy.
-ANCF_CLONES static bool too_far(const ancf_model* m, const double* x, const double* old_x) {
-    const int n = m->n_elements, s = m->stride;
-    double largest = 0.0;
-#pragma omp simd reduction(max : largest)
-    for (int e = 0; e < n; ++e) {
-        const int g0 = m->n_nodes + e, g1 = g0 + n, r0 = m->ends[2 * e], r1 = m->ends[2 * e + 1];
-        double start = 0.0, end = 0.0, chord = 0.0;
-        for (int c = 0; c < 3; ++c) {
-            const double *u = x + c * s, *o = old_x + c * s;
-            const double a = u[g0] - o[g0], b = u[g1] - o[g1],
-                         d = ((u[r1] - u[r0]) - (o[r1] - o[r0])) * m->inv_length[e];
-            start += a * a;
-            end += b * b;
-            chord += d * d;
-        }
-        largest = fmax(largest, fmax(chord, fmax(start, end)));
-    }
-    return largest > farthest * farthest;
-}
-
 // One of the equal parts of a step.
 static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights* w, double step, int part) {
     const int n = 3 * m->stride;
@@ -247,7 +212,9 @@ static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights*
         m->a[i] = a[i];
     }
     place_held(s, m, step, end, at + w->inertia_new * h);
-    if (!solve(s, m, a, w, h) || too_far(m, m->x, s->old_x)) return false;
+    if (!solve(s, m, a, w, h)) return false;
+    for (int i = 0; i < n; ++i) s->change[i] = m->x[i] - s->old_x[i];
+    if (ancf_stiffness_turn(m, s->change) > farthest) return false;
     if (m->track) note_losses(s, m, w);
     return true;
 }

@@ -13,7 +13,11 @@
 #else
 #define ANCF_CLONES
 #endif
+#if defined(__SANITIZE_ADDRESS__) // whose checks, inlined a thousand times, would take minutes to compile
+#define ANCF_INLINE static inline
+#else
 #define ANCF_INLINE static inline __attribute__((always_inline))
+#endif
 
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 bool ancf_reserve(void** items, int* room, int n, size_t size);
@@ -35,5 +39,9 @@ static inline bool ancf_model_counts(const ancf_model* m, int dof) {
     const int end = dof - m->n_nodes - m->n_elements;
     return end < 0 || m->next[end] < 0;
 }
+
+// Largest unbalanced force, but for rounding, over the largest that elements or loads exert, at the state that m->f was
+// found for [-].
+double ancf_imbalance(const ancf_model* m);
 
 #endif

@@ -107,42 +107,39 @@ int ancf_ldl_place(const ancf_ldl* a, int row, int column) {
 
 // ---------------------------------------------------------------- numbers
 
-// Factors a diagonal block, of which the lower triangle counts, as l d l^T: l below the diagonal, 1/d on it.
-ANCF_INLINE bool factor_diagonal(ancf_column* D) {
+// Inverse of a diagonal block, of which the lower triangle counts: by its l d l^T. False: it is not positive definite.
+ANCF_INLINE bool invert(ancf_column* D) {
     const double d0 = D[0][0], i0 = 1.0 / d0, l10 = D[0][1] * i0, l20 = D[0][2] * i0;
     const double d1 = D[1][1] - l10 * D[0][1], i1 = 1.0 / d1, s21 = D[1][2] - l20 * D[0][1], l21 = s21 * i1;
-    const double d2 = D[2][2] - l20 * D[0][2] - l21 * s21;
-    D[0][0] = i0;
-    D[0][1] = l10;
-    D[0][2] = l20;
-    D[1][1] = i1;
-    D[1][2] = l21;
-    D[2][2] = 1.0 / d2;
+    const double d2 = D[2][2] - l20 * D[0][2] - l21 * s21, i2 = 1.0 / d2;
+    const double m20 = l10 * l21 - l20; // of l^-1, with -l10 and -l21
+    const double inv20 = m20 * i2, inv21 = -l21 * i2, inv10 = -l10 * i1 - l21 * inv20;
+    D[0] = (ancf_column) {i0 + l10 * l10 * i1 + m20 * inv20, inv10, inv20, 0.0};
+    D[1] = (ancf_column) {inv10, i1 - l21 * inv21, inv21, 0.0};
+    D[2] = (ancf_column) {inv20, inv21, i2, 0.0};
     return d0 > 0.0 && d1 > 0.0 && d2 > 0.0;
 }
 
-// Right-looking: every column, once it is known, is taken off those to its right.
+// Right-looking: every column A, once it is known, becomes L = A D^-1 and is taken off those to its right, as L A^T.
 ANCF_CLONES bool ancf_ldl_factor(ancf_ldl* a) {
     const int *begin = a->begin, *index = a->index;
-    ancf_block *value = a->value, *scaled = a->column;
+    ancf_block *value = a->value, *known = a->column;
     for (int j = 0; j < a->n; ++j) {
         const int first = begin[j] + 1, count = begin[j + 1] - first;
         ancf_column* D = value[begin[j]];
-        if (!factor_diagonal(D)) return false;
-        for (int k = 0; k < count; ++k) { // S = A l^-T, L = S d^-1
-            ancf_column *A = value[first + k], *S = scaled[k];
-            S[0] = A[0];
-            S[1] = A[1] - D[0][1] * S[0];
-            S[2] = A[2] - D[0][2] * S[0] - D[1][2] * S[1];
-            for (int c = 0; c < 3; ++c) A[c] = D[c][c] * S[c];
+        if (!invert(D)) return false;
+        for (int k = 0; k < count; ++k) {
+            ancf_column *L = value[first + k], *A = known[k];
+            for (int c = 0; c < 3; ++c) A[c] = L[c];
+            for (int c = 0; c < 3; ++c) L[c] = A[0] * D[c][0] + A[1] * D[c][1] + A[2] * D[c][2];
         }
         for (int k = 0; k < count; ++k) {
-            const ancf_column* S = scaled[k];
+            const ancf_column* A = known[k];
             int place = begin[index[first + k]];
             for (int i = k; i < count; ++i) {
                 while (index[place] != index[first + i]) ++place;
                 const ancf_column* L = value[first + i];
-                for (int c = 0; c < 3; ++c) value[place][c] -= L[0] * S[0][c] + L[1] * S[1][c] + L[2] * S[2][c];
+                for (int c = 0; c < 3; ++c) value[place][c] -= L[0] * A[0][c] + L[1] * A[1][c] + L[2] * A[2][c];
             }
         }
     }
@@ -153,23 +150,16 @@ ANCF_CLONES void ancf_ldl_solve(ancf_ldl* a) {
     const int *begin = a->begin, *index = a->index;
     ancf_block* value = a->value;
     ancf_column* b = a->rhs;
-    for (int j = 0; j < a->n; ++j) {
-        const ancf_column* D = value[begin[j]];
-        const double x0 = b[j][0], x1 = b[j][1] - D[0][1] * x0, x2 = b[j][2] - D[0][2] * x0 - D[1][2] * x1;
-        b[j][1] = x1;
-        b[j][2] = x2;
+    for (int j = 0; j < a->n; ++j)
         for (int p = begin[j] + 1; p < begin[j + 1]; ++p)
-            b[index[p]] -= value[p][0] * x0 + value[p][1] * x1 + value[p][2] * x2;
-    }
+            b[index[p]] -= value[p][0] * b[j][0] + value[p][1] * b[j][1] + value[p][2] * b[j][2];
     for (int j = a->n - 1; j >= 0; --j) {
         const ancf_column* D = value[begin[j]];
         ancf_column sum[3] = {{0.0}};
         for (int p = begin[j] + 1; p < begin[j + 1]; ++p)
             for (int c = 0; c < 3; ++c) sum[c] += value[p][c] * b[index[p]];
-        double x[3];
-        for (int c = 0; c < 3; ++c) x[c] = b[j][c] * D[c][c] - (sum[c][0] + sum[c][1] + sum[c][2]);
-        x[1] -= D[1][2] * x[2];
-        x[0] -= D[0][1] * x[1] + D[0][2] * x[2];
-        for (int c = 0; c < 3; ++c) b[j][c] = x[c];
+        ancf_column x = D[0] * b[j][0] + D[1] * b[j][1] + D[2] * b[j][2];
+        for (int c = 0; c < 3; ++c) x[c] -= sum[c][0] + sum[c][1] + sum[c][2];
+        b[j] = x;
     }
 }

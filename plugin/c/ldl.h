@@ -14,7 +14,7 @@ typedef struct {
     int n;              // rows and columns of blocks
     int *begin, *index; // (n + 1), (begin[n]) blocks of each column, the diagonal one first, rows ascending
     int* row;           // (n) of the matrix for an unknown: the order that keeps L sparse
-    ancf_block* value;  // (begin[n]) of the matrix, then of L and, on the diagonal, what D and its triangles are
+    ancf_block* value;  // (begin[n]) of the matrix, then of L and, on the diagonal, of D^-1
     ancf_block* column; // (longest column) scratch
     ancf_column* rhs;   // (n) right-hand side and solution by rows
 } ancf_ldl;

@@ -3,29 +3,33 @@
 #include "ancf/tangent.h"
 #include "internal.h"
 
+#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Blocks of an element's unknowns (r0, g0, r1, g1) on and below the diagonal.
 enum { ELEMENT_PAIRS = 10 };
 static const int pair_row[ELEMENT_PAIRS] = {0, 1, 1, 2, 2, 2, 3, 3, 3, 3};
 static const int pair_column[ELEMENT_PAIRS] = {0, 0, 1, 0, 1, 2, 0, 1, 2, 3};
 
-// Unknowns in the order of elements, so that a chain is a band: start node, start slope, end node, end slope.
+// Unknowns in the order of elements, so that a chain is a band, but from both ends of their row in turn: what is
+// eliminated one after the other then does not wait for each other, until both meet.
 static int number_unknowns(int* unknown, const ancf_model* m) {
     int n = 0;
     for (int i = 0; i < m->n_dof; ++i) unknown[i] = -1;
-    for (int e = 0; e < m->n_elements; ++e) {
+    for (int turn = 0; turn < m->n_elements; ++turn) {
+        const bool last = turn % 2;
+        const int e = last ? m->n_elements - 1 - turn / 2 : turn / 2;
         int dof[4];
         const bool spring = m->element[e].kind & ANCF_SPRING;
         ancf_model_dofs(dof, m, e);
-        for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 4; ++k) {
+            const int i = last ? (k + 2) % 4 : k; // start node, start slope, end node, end slope, or the end first
             if (m->hold[dof[i]] || unknown[dof[i]] >= 0 || (i % 2 == 1 && spring)) continue;
             unknown[dof[i]] = n++;
             if (i == 3 && m->next[e] >= 0) unknown[m->n_nodes + m->next[e]] = unknown[dof[i]];
             if (i != 1) continue;
-            for (int k = m->first[dof[0]]; k < m->first[dof[0] + 1]; ++k) { // whose end this start goes on from
-                const int other = m->at[k] >> 1;
+            for (int j = m->first[dof[0]]; j < m->first[dof[0] + 1]; ++j) { // whose end this start goes on from
+                const int other = m->at[j] >> 1;
                 if (m->next[other] == e) unknown[m->n_nodes + m->n_elements + other] = unknown[dof[i]];
             }
         }
@@ -56,7 +60,7 @@ static void find_places(ancf_stiffness* s, const ancf_model* m) {
         ancf_model_dofs(dof, m, e);
         for (int p = 0; p < ELEMENT_PAIRS; ++p) {
             const int i = s->row[dof[pair_row[p]]], j = s->row[dof[pair_column[p]]];
-            int* place = &s->place[p * m->n_elements + e];
+            int* place = &s->place[e * ELEMENT_PAIRS + p];
             *place = -1;
             if (i < 0 || j < 0) continue;
             *place = i < j ? 2 * ancf_ldl_place(s->ldl, j, i) + 1 : 2 * ancf_ldl_place(s->ldl, i, j);
@@ -78,6 +82,9 @@ static ancf_error fill(ancf_stiffness* s, const ancf_model* m, int* pair) {
     for (int i = 0; i < m->n_dof; ++i)
         if (s->row[i] >= 0) s->row[i] = s->ldl->row[s->row[i]];
     find_places(s, m);
+    for (int i = m->n_nodes; i < m->n_dof; ++i) s->per_size[i] = 1.0;
+    for (int k = 0; k < 2 * m->n_elements; ++k)
+        s->per_size[m->ends[k]] = fmax(s->per_size[m->ends[k]], m->inv_length[k / 2]);
     return ANCF_OK;
 }
 
@@ -86,8 +93,9 @@ ancf_error ancf_stiffness_create(ancf_stiffness** stiffness, const ancf_model* m
     if (!s) return ANCF_E_MEMORY;
     int* pair = calloc(2 * ELEMENT_PAIRS * (size_t)m->n_elements, sizeof *pair);
     s->row = calloc((size_t)m->n_dof, sizeof *s->row);
+    s->per_size = calloc((size_t)m->n_dof, sizeof *s->per_size);
     s->place = calloc(ELEMENT_PAIRS * (size_t)m->n_elements, sizeof *s->place);
-    const ancf_error error = pair && s->row && s->place ? fill(s, m, pair) : ANCF_E_MEMORY;
+    const ancf_error error = pair && s->row && s->per_size && s->place ? fill(s, m, pair) : ANCF_E_MEMORY;
     free(pair);
     if (error) {
         ancf_stiffness_destroy(s);
@@ -100,56 +108,63 @@ void ancf_stiffness_destroy(ancf_stiffness* s) {
     if (!s) return;
     ancf_ldl_destroy(s->ldl);
     free(s->row);
+    free(s->per_size);
     free(s->place);
     free(s->mass);
     free(s->tangent);
     free(s);
 }
 
-// Adds factor A to a block, A row by row.
-ANCF_INLINE void add_block(ancf_block* value, int place, const double A[9], double factor) {
+// Adds factor A to a block.
+ANCF_INLINE void add_block(ancf_block* value, int place, const ancf_column A[3], double factor) {
     if (place < 0) return;
     ancf_column* B = value[place >> 1];
-    const int down = place & 1 ? 3 : 1, right = place & 1 ? 1 : 3;
-    for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i) B[j][i] += factor * A[right * i + down * j];
-}
-
-// Adds factor A^T.
-ANCF_INLINE void add_transposed(ancf_block* value, int place, const double A[9], double factor) {
-    add_block(value, place < 0 ? place : place ^ 1, A, factor);
-}
-
-ANCF_INLINE void read_symmetric(double A[9], const double* tangent) {
-    static const int entry[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
-    for (int k = 0; k < 9; ++k) A[k] = tangent[entry[k]];
-}
-
-ANCF_CLONES static void add_element(ancf_stiffness* s, const ancf_model* m, int e) {
-    const int n = m->n_elements;
-    const double inv = m->inv_length[e], *t = s->tangent + e * ANCF_TANGENT;
-    double g0g0[9], dd[9], g1g1[9], g0d[9], g0g1[9], dg1[9];
-    int at[ELEMENT_PAIRS];
-    for (int p = 0; p < ELEMENT_PAIRS; ++p) at[p] = s->place[p * n + e];
-    read_symmetric(g0g0, t);
-    read_symmetric(dd, t + 6);
-    read_symmetric(g1g1, t + 12);
-    for (int k = 0; k < 9; ++k) {
-        g0d[k] = t[18 + k];
-        g0g1[k] = t[27 + k];
-        dg1[k] = t[36 + k];
+    if (place & 1) {
+        for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < 3; ++i) B[c][i] += factor * A[i][c];
+        return;
     }
+    for (int c = 0; c < 3; ++c) B[c] += factor * A[c];
+}
+
+ANCF_INLINE void read_symmetric(ancf_column A[3], const double* t) {
+    A[0] = (ancf_column) {t[0], t[1], t[2], 0.0};
+    A[1] = (ancf_column) {t[1], t[3], t[4], 0.0};
+    A[2] = (ancf_column) {t[2], t[4], t[5], 0.0};
+}
+
+// A block that stands in the tangent row by row, or its transpose: `along` a column, `across` from one to the next.
+ANCF_INLINE void read_block(ancf_column A[3], const double* t, int along, int across) {
+    for (int c = 0; c < 3; ++c)
+        A[c] = (ancf_column) {t[across * c], t[across * c + along], t[across * c + 2 * along], 0.0};
+}
+
+ANCF_CLONES static void add_elements(ancf_stiffness* s, const ancf_model* m) {
+    const int n = m->n_elements;
     ancf_block* value = s->ldl->value;
-    add_block(value, at[0], dd, inv * inv);
-    add_block(value, at[1], g0d, -inv);
-    add_block(value, at[2], g0g0, 1.0);
-    add_block(value, at[3], dd, -inv * inv);
-    add_transposed(value, at[4], g0d, inv);
-    add_block(value, at[5], dd, inv * inv);
-    add_transposed(value, at[6], dg1, -inv);
-    add_transposed(value, at[7], g0g1, 1.0);
-    add_transposed(value, at[8], dg1, inv);
-    add_block(value, at[9], g1g1, 1.0);
+    for (int e = 0; e < n; ++e) {
+        const double inv = m->inv_length[e], *t = s->tangent + e * ANCF_TANGENT;
+        const int* at = s->place + e * ELEMENT_PAIRS;
+        ancf_column g0g0[3] = {{0.0}}, dd[3] = {{0.0}}, g1g1[3] = {{0.0}}, g0d[3] = {{0.0}}, dg0[3] = {{0.0}},
+                    g1g0[3] = {{0.0}}, g1d[3] = {{0.0}};
+        read_symmetric(g0g0, t);
+        read_symmetric(dd, t + 6);
+        read_symmetric(g1g1, t + 12);
+        read_block(g0d, t + 18, 3, 1);
+        read_block(dg0, t + 18, 1, 3);
+        read_block(g1g0, t + 27, 1, 3);
+        read_block(g1d, t + 36, 1, 3);
+        add_block(value, at[0], dd, inv * inv);
+        add_block(value, at[1], g0d, -inv);
+        add_block(value, at[2], g0g0, 1.0);
+        add_block(value, at[3], dd, -inv * inv);
+        add_block(value, at[4], dg0, inv);
+        add_block(value, at[5], dd, inv * inv);
+        add_block(value, at[6], g1d, -inv);
+        add_block(value, at[7], g1g0, 1.0);
+        add_block(value, at[8], g1d, inv);
+        add_block(value, at[9], g1g1, 1.0);
+    }
 }
 
 bool ancf_stiffness_factor(ancf_stiffness* s, const ancf_model* m, const double* x, const double* v, double mu,
@@ -158,10 +173,12 @@ bool ancf_stiffness_factor(ancf_stiffness* s, const ancf_model* m, const double*
     if (ldl->n == 0) return true;
     ancf_tangent(s->tangent, m, x, v, rate, definite);
     for (int k = 0; k < ldl->begin[ldl->n]; ++k) {
-        memset(ldl->value[k], 0, sizeof ldl->value[k]);
-        for (int c = 0; c < 3; ++c) ldl->value[k][c][c] = mu * s->mass[k];
+        const double mass = mu * s->mass[k];
+        ldl->value[k][0] = (ancf_column) {mass, 0.0, 0.0, 0.0};
+        ldl->value[k][1] = (ancf_column) {0.0, mass, 0.0, 0.0};
+        ldl->value[k][2] = (ancf_column) {0.0, 0.0, mass, 0.0};
     }
-    for (int e = 0; e < m->n_elements; ++e) add_element(s, m, e);
+    add_elements(s, m);
     return ancf_ldl_factor(ldl);
 }
 
@@ -174,4 +191,33 @@ void ancf_stiffness_solve(ancf_stiffness* s, const ancf_model* m, double* change
     ancf_ldl_solve(s->ldl);
     for (int i = 0; i < m->n_dof; ++i)
         for (int c = 0; c < 3; ++c) change[c * m->stride + i] = s->row[i] < 0 ? 0.0 : s->ldl->rhs[s->row[i]][c];
+}
+
+ANCF_CLONES double ancf_stiffness_size(const ancf_stiffness* s, const ancf_model* m, const double* change) {
+    double largest = 0.0, sum = 0.0;
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < m->n_dof; ++i) {
+            const double size = s->per_size[i] * fabs(change[c * m->stride + i]);
+            largest = size > largest ? size : largest;
+            sum += size;
+        }
+    return isfinite(sum) ? largest : INFINITY;
+}
+
+ANCF_CLONES double ancf_stiffness_turn(const ancf_model* m, const double* change) {
+    const int n = m->n_elements, s = m->stride;
+    double largest = 0.0;
+#pragma omp simd reduction(max : largest)
+    for (int e = 0; e < n; ++e) {
+        const int g0 = m->n_nodes + e, g1 = g0 + n, r0 = m->ends[2 * e], r1 = m->ends[2 * e + 1];
+        double start = 0.0, end = 0.0, chord = 0.0;
+        for (int c = 0; c < 3; ++c) {
+            const double *u = change + c * s, d = (u[r1] - u[r0]) * m->inv_length[e];
+            start += u[g0] * u[g0];
+            end += u[g1] * u[g1];
+            chord += d * d;
+        }
+        largest = fmax(largest, fmax(chord, fmax(start, end)));
+    }
+    return sqrt(largest);
 }

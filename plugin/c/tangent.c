@@ -5,9 +5,6 @@
 #include <float.h>
 #include <math.h>
 
-// All that take vectors are inlined: how they would be passed does not matter.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 // At a point of the element the strains depend on r' and k = L r'', which are sums over q = (g0, d, g1) with the
 // weights s and t of shape.h. A second derivative A over r' (symmetric, 3x3) so adds s_i s_j A to the block (i, j) of
 // the tangent, and one over k adds t_i t_j A.

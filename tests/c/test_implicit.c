@@ -299,6 +299,24 @@ static void compressed_elements(void** state) {
     }
 }
 
+// A net shaken so that its cables turn by far more than a step can follow: it gains no energy.
+static void violent_net(void** state) {
+    (void)state;
+    uint64_t seed = 93;
+    built b = build_net(4, net_element(ANCF_CURVATURE_EXACT, 0.0));
+    b.mass[0] = b.mass[24] = 0.05;
+    build_shake(&b, b.x, 0.02, &seed);
+    build_shake(&b, b.v, 0.1, &seed);
+    build_finish(&b);
+    stepper run = start(&b, 0.9);
+    const double whole = energy_of(&b);
+    steps(&run, &b, 3e-4, 100);
+    assert_true(energy_of(&b) < 1.02 * whole);
+    assert_true(run.s->rejected > 100);
+    stop(&run);
+    build_free(&b);
+}
+
 // What is held goes where it is told, to the bit; what holds a hanging cable at rest carries its weight.
 static void held_nodes(void** state) {
     (void)state;
@@ -329,6 +347,21 @@ static void held_nodes(void** state) {
     ancf_reaction(force, b.m, 0);
     assert_close(force[2], 9.81 * (0.2 + 0.05), 1e-8);
     assert_near(force[0], 0.0, 1e-8);
+    stop(&run);
+    build_free(&b);
+}
+
+// All of it held: led along, and nothing to solve for.
+static void nothing_is_free(void** state) {
+    (void)state;
+    built b = build_cable(2, (ancf_element) {.length = 1.0, .ea = 1e3, .ei = 0.1, .rho_a = 0.1}, 1);
+    for (int i = 0; i < b.n_dof; ++i) b.hold[i] = ANCF_HELD;
+    build_finish(&b);
+    b.m->gravity[2] = -9.81;
+    stepper run = start(&b, 0.9);
+    for (int i = 0; i < b.def.n_nodes; ++i) b.m->held[i] = 0.5;
+    steps(&run, &b, 1e-2, 10);
+    for (int i = 0; i < b.def.n_nodes; ++i) assert_near(b.x[i], 0.5 * i + 0.05, 1e-14);
     stop(&run);
     build_free(&b);
 }
@@ -389,7 +422,9 @@ int main(void) {
         cmocka_unit_test(unresolved_waves_are_lost),
         cmocka_unit_test(flexible_pendulum),
         cmocka_unit_test(compressed_elements),
+        cmocka_unit_test(violent_net),
         cmocka_unit_test(held_nodes),
+        cmocka_unit_test(nothing_is_free),
         cmocka_unit_test(resumes_to_the_bit),
         cmocka_unit_test(a_step_that_fails),
     };

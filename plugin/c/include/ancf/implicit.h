@@ -20,7 +20,7 @@ typedef struct {
     double lost;    // energy that the method took out of the cables so far, where m->track is set [J]
 
     ancf_stiffness* stiffness;
-    double* per_size; // (n_dof) 1 over what a change counts by: an element's length at nodes, 1 for slopes [1/m, -]
+    double* fields; // all of the following
     // (3 x stride) each
     double *start_x, *start_v, *start_a; // at the start of the step
     double *old_x, *old_v, *old_f;       // at the start of the part, and the force there
