@@ -16,6 +16,7 @@ import pathlib
 import platform
 import subprocess
 import sys
+import tempfile
 from dataclasses import asdict
 
 os.environ["OMP_NUM_THREADS"] = "1"
@@ -54,7 +55,10 @@ OUT = ROOT / "docs" / "images" / "precision"
 
 def process(command, text=""):
     """What a process leaves in its last line; raises RuntimeError with what it said else."""
-    done = subprocess.run(command, input=text, capture_output=True, text=True, timeout=LIMIT)
+    with tempfile.TemporaryDirectory() as folder:  # some programs leave logs where they run
+        done = subprocess.run(
+            command, input=text, capture_output=True, text=True, timeout=LIMIT, cwd=folder
+        )
     for line in reversed(done.stdout.splitlines()):
         if line.startswith(MARK):
             return json.loads(line[len(MARK) :])
@@ -73,7 +77,9 @@ def child(name, quick):
 
 
 def ours(name, quick):
-    command = [sys.executable, __file__, "--child", name] + ["--quick"] * quick
+    command = [sys.executable, str(pathlib.Path(__file__).resolve()), "--child", name] + [
+        "--quick"
+    ] * quick
     return [Row(**row) for row in process(command)]
 
 

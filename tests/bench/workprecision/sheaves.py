@@ -30,7 +30,7 @@ PRETENSION, SPEED, TORQUE, INERTIA = 20.0, 2.0, 0.3, 2e-4  # [N], [m/s], [N m], 
 RUN = 0.16  # [s]; creep is that of its second half
 
 ANGLES = (30.0, 20.0, 15.0, 10.0)  # of wrap that an element takes [deg]
-BELT_ANGLES = (20.0, 15.0, 12.0)
+BELT_ANGLES, FEW_BELT_ANGLES = (20.0, 15.0, 12.0), (30.0,)
 PARTS = (0.8, 0.4)  # of the critical step
 LINKS, FEW_LINKS = (10.0, 5.0, 2.5), (10.0, 5.0)  # of wrap that a link of a chain takes [deg]
 SETTLE = 0.3  # NewtonIntegrator.damping of chains, that rest but for their ringing
@@ -233,7 +233,7 @@ class Belt:
     """Error: creep, relative."""
 
     def rows(self, quick):
-        for angle in BELT_ANGLES[:1] if quick else BELT_ANGLES:
+        for angle in FEW_BELT_ANGLES if quick else BELT_ANGLES:
             made = []
             cpu = timed(lambda: made.append(belt(angle, PARTS[0])), RUN)
             n = round(2 * (math.pi * RADIUS + DISTANCE) / (RADIUS * math.radians(angle)))
