@@ -1,6 +1,7 @@
 #include "ancf/balance.h"
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
+#include "internal.h"
 
 static double kinetic_of(const ancf_model* m, int e) {
     double M[4][4], sum = 0.0;
@@ -33,6 +34,7 @@ static double kinetic_whole(const ancf_model* m) {
 }
 
 double ancf_kinetic_kept(ancf_model* m, double last, double step) {
+    if (ancf_mass_diagonal(m)) return ancf_mass_kinetic_kept(m, last, step);
     const int n = 3 * m->stride;
     double *mid = m->work, *half = m->work + n, *v = m->v;
     for (int i = 0; i < n; ++i) {
@@ -57,17 +59,22 @@ void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end
     for (int e = begin; e < end && falls; ++e) energy->gravity += gravity_of(m, e);
 }
 
-// The sum over both copies of a shared slope would count it twice: only the start's is taken.
-static bool counts(const ancf_model* m, int dof) {
-    const int end = dof - m->n_nodes - m->n_elements;
-    return end < 0 || m->next[end] < 0;
+ANCF_CLONES static double product(const double* a, const double* b, int n) {
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (int i = 0; i < n; ++i) sum += a[i] * b[i];
+    return sum;
 }
 
+// The end's copy of a shared slope counts no second time.
 double ancf_height(const ancf_model* m) {
     double sum = 0.0;
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_dof && m->gravity[c] != 0.0; ++i)
-            if (counts(m, i)) sum -= m->gravity[c] * m->weight[i] * m->x[c * m->stride + i];
+    for (int c = 0; c < 3; ++c) {
+        const double *x = m->x + c * m->stride, g = m->gravity[c];
+        if (g == 0.0) continue;
+        sum -= g * product(m->weight, x, m->n_dof);
+        for (int k = 0; k < m->n_shared; ++k) sum += g * m->weight[m->shared[2 * k + 1]] * x[m->shared[2 * k + 1]];
+    }
     return sum;
 }
 
@@ -77,7 +84,7 @@ void ancf_momentum(double linear[3], double angular[3], ancf_model* m) {
     ancf_mass_multiply(m, p, m->v);
     for (int c = 0; c < 3; ++c) linear[c] = angular[c] = 0.0;
     for (int i = 0; i < m->n_dof; ++i) {
-        if (!counts(m, i)) continue;
+        if (!ancf_model_counts(m, i)) continue;
         for (int c = 0; c < 3; ++c) {
             const int d = (c + 1) % 3, b = (c + 2) % 3;
             if (i < m->n_nodes) linear[c] += p[c * s + i];

@@ -1,6 +1,7 @@
 #include "ancf/boxes.h"
 #include "internal.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,14 +16,14 @@ struct ancf_boxes {
     double ahead;
     double* room;      // (n) [m]
     double* reference; // (3 x stride) state in which the boxes were set
-    double* rest;      // (3 x stride) zero
+    double* rest;      // (n_dof) zero
     double* lever;     // (n_dof) by how much an unknown moves a control point of the curve [-], [m]
     double* moved;     // (n_dof) from the reference, as control points move [m]
     ancf_box* box;     // (n)
     struct start {
         double low;
         int element;
-    } * order; // (n) by lower ends along x
+    } * order; // (n) by lower ends along an axis
     int n_meetings, room_meetings;
     ancf_meeting *meeting, *spare; // spare: for sorting
     int* count;                    // (n + 1)
@@ -45,7 +46,7 @@ ancf_error ancf_boxes_create(ancf_boxes** boxes, const ancf_model* m, const ancf
     b->reference = calloc(3 * (size_t)m->stride, sizeof *b->reference);
     b->lever = calloc((size_t)m->n_dof, sizeof *b->lever);
     b->moved = calloc((size_t)m->n_dof, sizeof *b->moved);
-    b->rest = calloc(3 * (size_t)m->stride, sizeof *b->rest);
+    b->rest = calloc((size_t)m->n_dof, sizeof *b->rest);
     b->box = calloc(n, sizeof *b->box);
     b->order = calloc(n, sizeof *b->order);
     b->count = calloc(n + 1, sizeof *b->count);
@@ -80,12 +81,12 @@ static double larger_end(const ancf_model* m, const double* field, int e) {
     return higher(field[dof[0]] + field[dof[1]], field[dof[2]] + field[dof[3]]);
 }
 
-// Largest component of a difference of fields at every unknown, as a way of control points.
+// Largest component of a difference of fields at every unknown, as a way of control points. Blocks of b may be one.
 ANCF_CLONES static void largest_ways(double* way, const double* a, const double* b, const double* lever, int n,
-                                     int stride) {
+                                     int stride, int stride_b) {
     for (int i = 0; i < n; ++i) {
-        const double x = fabs(a[i] - b[i]), y = fabs(a[stride + i] - b[stride + i]),
-                     z = fabs(a[2 * stride + i] - b[2 * stride + i]);
+        const double x = fabs(a[i] - b[i]), y = fabs(a[stride + i] - b[stride_b + i]),
+                     z = fabs(a[2 * stride + i] - b[2 * stride_b + i]);
         const double xy = x > y ? x : y;
         way[i] = lever[i] * (xy > z ? xy : z);
     }
@@ -112,7 +113,7 @@ double ancf_boxes_fastest(const ancf_model* m) {
 
 void ancf_boxes_plan(ancf_boxes* b, const ancf_model* m, double step, int steps, double ahead) {
     b->ahead = ahead;
-    largest_ways(b->moved, m->v, b->rest, b->lever, m->n_dof, m->stride);
+    largest_ways(b->moved, m->v, b->rest, b->lever, m->n_dof, m->stride, 0);
     for (int e = 0; e < b->n; ++e)
         b->room[e] = higher(0.25 * b->cover[e].radius, steps * step * larger_end(m, b->moved, e));
 }
@@ -181,9 +182,59 @@ static int by_start(const void* a, const void* b) {
                             : (p->element > q->element) - (p->element < q->element);
 }
 
-static void find_meetings_of(ancf_boxes* b, const ancf_model* m, int i, int n, bool* enough) {
+// Whether any two elements may touch.
+static bool any_may_meet(const ancf_boxes* b) {
+    int structure = -1;
+    for (int e = 0; e < b->n; ++e) {
+        const ancf_cover* c = &b->cover[e];
+        if (c->radius == 0.0) continue;
+        if (c->own || (structure >= 0 && c->structure != structure)) return true;
+        structure = c->structure;
+    }
+    return false;
+}
+
+static int order_along(ancf_boxes* b, int axis) {
+    int n = 0;
+    for (int e = 0; e < b->n; ++e)
+        if (b->cover[e].radius > 0.0) b->order[n++] = (struct start) {b->box[e].low[axis], e};
+    qsort(b->order, (size_t)n, sizeof *b->order, by_start);
+    return n;
+}
+
+// Boxes that overlap along an axis by which they are ordered, less the boxes themselves.
+static long crowd(const ancf_boxes* b, int axis, int n) {
+    long sum = 0;
+    for (int i = 0; i < n; ++i) {
+        const double high = b->box[b->order[i].element].high[axis];
+        int inside = i, outside = n;
+        while (outside - inside > 1) {
+            const int middle = inside + (outside - inside) / 2;
+            if (b->order[middle].low <= high) inside = middle;
+            else outside = middle;
+        }
+        sum += inside - i;
+    }
+    return sum;
+}
+
+// Orders the boxes along the axis on which fewest overlap: those of a flat net do so all along its normal.
+static int order_best(ancf_boxes* b, int* axis) {
+    long least = LONG_MAX;
+    int n = 0, last = 0;
+    for (int c = 0; c < 3; ++c) {
+        n = order_along(b, last = c);
+        const long pairs = crowd(b, c, n);
+        if (pairs >= least) continue;
+        least = pairs;
+        *axis = c;
+    }
+    return *axis == last ? n : order_along(b, *axis);
+}
+
+static void find_meetings_of(ancf_boxes* b, const ancf_model* m, int axis, int i, int n, bool* enough) {
     const int e = b->order[i].element;
-    for (int j = i + 1; j < n && b->order[j].low <= b->box[e].high[0]; ++j) {
+    for (int j = i + 1; j < n && b->order[j].low <= b->box[e].high[axis]; ++j) {
         const int f = b->order[j].element;
         if (overlap(&b->box[e], &b->box[f]) && may_meet(b, m, e, f) && !add_meeting(b, e, f)) *enough = false;
     }
@@ -191,16 +242,14 @@ static void find_meetings_of(ancf_boxes* b, const ancf_model* m, int i, int n, b
 
 int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
     memcpy(b->reference, m->x, 3 * (size_t)m->stride * sizeof *m->x);
-    int n = 0;
-    for (int e = 0; e < b->n; ++e) {
-        if (b->cover[e].radius == 0.0) continue;
-        ancf_boxes_of(&b->box[e], b, m, e);
-        b->order[n++] = (struct start) {b->box[e].low[0], e};
-    }
-    qsort(b->order, (size_t)n, sizeof *b->order, by_start);
+    for (int e = 0; e < b->n; ++e)
+        if (b->cover[e].radius > 0.0) ancf_boxes_of(&b->box[e], b, m, e);
     b->n_meetings = 0;
+    if (!any_may_meet(b)) return 0;
+    int axis = 0;
+    const int n = order_best(b, &axis);
     bool enough = true;
-    for (int i = 0; i < n && enough; ++i) find_meetings_of(b, m, i, n, &enough);
+    for (int i = 0; i < n && enough; ++i) find_meetings_of(b, m, axis, i, n, &enough);
     if (!enough) return -1;
     if (b->n_meetings == 0) return 0;
     sort(b->spare, b->meeting, b, true);
@@ -209,7 +258,7 @@ int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
 }
 
 bool ancf_boxes_hold(const ancf_boxes* b, const ancf_model* m) {
-    largest_ways(b->moved, m->x, b->reference, b->lever, m->n_dof, m->stride);
+    largest_ways(b->moved, m->x, b->reference, b->lever, m->n_dof, m->stride, m->stride);
     const double *start = b->moved + m->n_nodes, *end = start + m->n_elements;
     bool hold = true;
     for (int e = 0; e < b->n; ++e) {

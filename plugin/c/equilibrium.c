@@ -1,7 +1,10 @@
 #include "ancf/equilibrium.h"
 #include "ancf/elastic.h"
 #include "ancf/step.h"
+#include "internal.h"
+#include "settle.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -39,20 +42,31 @@ static double unit_length(const ancf_model* m, int dof) {
     return dof < m->n_nodes ? 1.0 : m->element[(dof - m->n_nodes) % m->n_elements].length;
 }
 
-// Largest unbalanced force over the largest force that elements or loads exert.
-static double imbalance(const ancf_model* m, const double* mass) {
+// Force that the last bits of positions stand for: no state can be found whose force is less.
+static double rounding(const ancf_model* m) {
+    double largest = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        const double* x = m->x + c * m->stride;
+        for (int e = 0; e < m->n_elements; ++e) {
+            const double far = fmax(fabs(x[m->ends[2 * e]]), fabs(x[m->ends[2 * e + 1]]));
+            largest = fmax(largest, m->element[e].ea * m->inv_length[e] * far);
+        }
+    }
+    return 8.0 * DBL_EPSILON * largest;
+}
+
+double ancf_imbalance(const ancf_model* m) {
     double residual = 0.0, largest = 0.0;
     for (int c = 0; c < 3; ++c) {
         const double *f = m->f + c * m->stride, *external = m->external + c * m->stride;
         for (int i = 0; i < m->n_dof; ++i) {
-            if (mass[i] > 0.0 && !m->hold[i]) residual = fmax(residual, fabs(f[i]) / unit_length(m, i));
+            if (!m->hold[i]) residual = fmax(residual, fabs(f[i]) / unit_length(m, i));
             const double load = external[i] + m->gravity[c] * m->weight[i];
             largest = fmax(largest, fabs(load) / unit_length(m, i));
         }
-        const double* fd = m->scratch + 6 * m->n_elements + c * m->n_elements;
-        for (int e = 0; e < m->n_elements; ++e) largest = fmax(largest, fabs(fd[e]));
     }
-    return largest > 0.0 ? residual / largest : 0.0;
+    for (int k = 0; k < 3 * m->n_elements; ++k) largest = fmax(largest, fabs(m->pull[k]));
+    return largest > 0.0 ? fmax(residual - rounding(m), 0.0) / largest : 0.0;
 }
 
 // The motion's Rayleigh quotient, as sums that fade with its past.
@@ -130,8 +144,9 @@ ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations, anc
     const size_t field = 3 * (size_t)m->stride;
     double *rate = m->work + 2 * field, *before = rate + field, *mass = before + field, *still = mass + field;
     double* near = m->work; // masses where it may touch
-    memset(rate, 0, 4 * field * sizeof *rate);
     memset(m->v, 0, field * sizeof *m->v);
+    if (ancf_settle(m, tolerance, rest)) return ANCF_OK;
+    memset(rate, 0, 4 * field * sizeof *rate);
     double damping = 0.0, stiffening = 0.0;
     quotient motion = {0.0, 0.0};
     for (int k = 0; k < iterations; ++k) {
@@ -145,7 +160,7 @@ ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations, anc
         const int pairs = rest ? ancf_rest_look(rest, m, rate) : 0;
         if (pairs < 0) return ANCF_E_MEMORY;
         if (pairs > 0) touch(m, rest, near, mass, rate);
-        if (imbalance(m, mass) < tolerance) return ANCF_OK;
+        if (ancf_imbalance(m) < tolerance) return ANCF_OK;
         const double* inertia = pairs > 0 ? near : mass;
         if (k > 0) damping = damping_of(&motion, m, inertia, before, rate, pairs > 0 ? fading : 0.0);
         relaxation_step(m, inertia, rate, damping);

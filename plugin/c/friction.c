@@ -15,8 +15,10 @@
 
 enum { SWEEPS = 2, RENEWALS = 20 };
 
-// Contacts of a group that are one part at once; rounds over parts of one body each, then over larger ones.
-enum { FEW = 8, ROUNDS = 8, ROUNDS_LARGE = 16 };
+// A group of up to FEW contacts is one part. Others go round over parts of one body each, then, as long as that does
+// not end, over larger ones.
+enum { FEW = 8, STAGES = 3 };
+static const struct { int most, rounds; } stage[STAGES] = {{1, 8}, {32, 16}, {ANCF_NEWTON_MOST, 32}};
 
 // Part of the largest friction impulse by which friction may be off, and below which a contact is left as it is.
 static const double tolerance = 1e-8;
@@ -283,14 +285,10 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
         for (int k = 0; k < n; ++k) change = ancf_larger(change, rub_one(t, contact[k], largest));
         off = sqrt(change);
     }
-    if (off > tolerance * largest) {
-        if (n <= FEW) ancf_parts_join(t, FEW);
-        const int parts = t->parts;
-        off = rub_parts(t, ROUNDS, largest, &needed);
-        if (off > tolerance * largest && parts > 1) {
-            ancf_parts_join(t, ANCF_NEWTON_MOST);
-            off = rub_parts(t, ROUNDS_LARGE, largest, &needed);
-        }
+    for (int i = 0; i < STAGES && off > tolerance * largest; ++i) {
+        const int before = t->parts;
+        ancf_parts_join(t, n <= FEW ? FEW : stage[i].most);
+        if (i == 0 || t->parts < before) off = rub_parts(t, stage[i].rounds, largest, &needed);
     }
     for (int k = 0; k < n; ++k) {
         const ancf_drag* d = &t->drag[contact[k]];

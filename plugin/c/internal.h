@@ -7,24 +7,38 @@
 #include <stddef.h>
 
 // One build of a kernel for each instruction set, chosen at run time. Not under a sanitizer, which is not up yet when
-// the choice is made.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+// the choice is made, and not where ANCF_ONE_SET says that the compiler's own is meant.
+#if !defined(ANCF_ONE_SET) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                       \
+    !defined(__SANITIZE_ADDRESS__)
 #define ANCF_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define ANCF_CLONES
 #endif
+#if defined(__SANITIZE_ADDRESS__) // whose checks, inlined a thousand times, would take minutes to compile
+#define ANCF_INLINE static inline
+#else
 #define ANCF_INLINE static inline __attribute__((always_inline))
+#endif
 
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 bool ancf_reserve(void** items, int* room, int n, size_t size);
-
-// Upper triangles, row by row, of the integrals of w w^T over an element, w = (a2, b2, c2, 2ab, 2ac, 2bc) of the slope
-// weights (a, b, c): exact, and by 3 Gauss points.
-void ancf_axial_rules(double exact[21], double reduced[21]);
 
 // Weights of an element's four unknowns at xi.
 void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi);
 void ancf_model_mean_weights(double S[4], const ancf_model* m, int element, const double power[3]);
 void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, double xi); // in dr/dxi
+
+// Adds m->external and gravity to the forces of elements, and joins them.
+void ancf_add_loads(const ancf_model* m, double* force);
+
+// Whether a sum over all unknowns takes this one: of a shared slope's two copies the start's alone.
+static inline bool ancf_model_counts(const ancf_model* m, int dof) {
+    const int end = dof - m->n_nodes - m->n_elements;
+    return end < 0 || m->next[end] < 0;
+}
+
+// Largest unbalanced force, but for rounding, over the largest that elements or loads exert, at the state that m->f was
+// found for [-].
+double ancf_imbalance(const ancf_model* m);
 
 #endif

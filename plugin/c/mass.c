@@ -1,4 +1,5 @@
-#include "ancf/mass.h"
+#include "factor.h"
+
 #include "internal.h"
 
 #include <cholmod.h>
@@ -6,29 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Unknowns that share a slope, or have no mass, are numbered once or not at all: `row` maps a block's place to its row
-// of the matrix. A diagonal matrix is kept as its inverse, another as L L^T in an order that keeps L sparse. Where
-// every element keeps both slopes to itself, as in a net, they are eliminated exactly element by element, in lanes, and
-// only the nodes' matrix is left, which is inverted outright if it is small.
-struct ancf_mass {
-    bool diagonal, condensed;
-    bool held;          // something is held that has mass
-    double* inverse;    // (stride) 1/M, 0 where held or massless; diagonal only
-    double* added;      // (n_nodes) [kg]
-    double* own;        // (stride) diagonal of the elements alone, copies of a shared slope apart
-    int* row;           // (stride) row of an unknown in the factor, or -1
-    int n;              // rows
-    int *begin, *index; // columns of L below the diagonal, each sorted
-    double *value, *pivot;
-    double (*rhs)[4];   // (n) right-hand sides x, y, z side by side
-    double* slope_flex; // (n_elements) 60/(m L^2), condensed only
-    double* push;       // (6 x n_elements) what the slopes' forces do to the nodes
-    int lanes;          // n rounded up, 0: the nodes' matrix is not inverted
-    double* full;       // (lanes x lanes) its inverse
-    double* load;       // (6 x lanes) forces and accelerations of the nodes
-};
-
-enum { INVERT_UP_TO = 96, LANES = 8 };
+enum { INVERT_UP_TO = 96, ROWS = 12 };
 
 void ancf_mass_element(double M[4][4], const ancf_element* el) {
     const double L = el->length, m = el->rho_a * L;
@@ -55,6 +34,16 @@ void ancf_mass_weight(double w[4], const ancf_element* el) {
     w[0] = w[2] = m / 2.0;
     w[1] = el->kind & ANCF_SPRING ? 0.0 : m * L / 12.0;
     w[3] = -w[1];
+}
+
+// The six different entries of every element's matrix (a b c -d; b e d f; c d a -b; -d f -b e).
+static void list_matrices(ancf_model* m) {
+    for (int e = 0; e < m->n_elements; ++e) {
+        double M[4][4];
+        ancf_mass_element(M, &m->element[e]);
+        const double entry[6] = {M[0][0], M[0][1], M[0][2], M[1][2], M[1][1], M[1][3]};
+        for (int k = 0; k < 6; ++k) m->mass->matrix[k * m->n_elements + e] = entry[k];
+    }
 }
 
 // Mass of every unknown if the matrix is diagonal, shared slopes joined.
@@ -165,7 +154,8 @@ static ancf_error take_factor(ancf_model* m, const cholmod_factor* L) {
 
 static ancf_error factorise(ancf_model* m) {
     ancf_mass* mass = m->mass;
-    const size_t n = (size_t)mass->n, entries = 16 * (size_t)m->n_elements + (size_t)m->n_nodes;
+    // A half of each element's matrix and its diagonal.
+    const size_t n = (size_t)mass->n, entries = 10 * (size_t)m->n_elements + (size_t)m->n_nodes;
     ancf_error error = ANCF_E_FACTOR;
     cholmod_common common;
     cholmod_start(&common);
@@ -212,22 +202,21 @@ static void condense(ancf_model* m) {
         const ancf_element* el = &m->element[e];
         mass->slope_flex[e] = 60.0 / (el->rho_a * el->length * el->length * el->length);
     }
+    for (int k = 0; k < 2 * m->n_elements; ++k) mass->from[k] = (m->at[k] & 1) * m->n_elements + (m->at[k] >> 1);
 }
-
-static void solve_factor(const ancf_mass* mass);
 
 // The inverse of a small matrix, column by column.
 static ancf_error invert(ancf_mass* mass) {
     if (mass->n > INVERT_UP_TO) return ANCF_OK;
-    mass->lanes = (mass->n + LANES - 1) / LANES * LANES;
-    mass->full = calloc((size_t)(mass->lanes * mass->lanes), sizeof *mass->full);
-    mass->load = calloc(6 * (size_t)mass->lanes, sizeof *mass->load);
+    mass->rows = (mass->n + ROWS - 1) / ROWS * ROWS;
+    mass->full = calloc((size_t)(mass->n * mass->rows), sizeof *mass->full);
+    mass->load = calloc(6 * (size_t)mass->rows, sizeof *mass->load);
     if (!mass->full || !mass->load) return ANCF_E_MEMORY;
     for (int j = 0; j < mass->n; ++j) {
         memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
         mass->rhs[j][0] = 1.0;
-        solve_factor(mass);
-        for (int i = 0; i < mass->n; ++i) mass->full[j * mass->lanes + i] = mass->rhs[i][0];
+        ancf_mass_solve_rows(mass);
+        for (int i = 0; i < mass->n; ++i) mass->full[j * mass->rows + i] = mass->rhs[i][0];
     }
     memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
     return ANCF_OK;
@@ -240,12 +229,16 @@ ancf_error ancf_mass_create(ancf_model* m, const double* added) {
     mass->added = calloc((size_t)m->n_nodes, sizeof *mass->added);
     mass->own = calloc((size_t)m->stride, sizeof *mass->own);
     mass->row = calloc((size_t)m->stride, sizeof *mass->row);
+    mass->matrix = calloc(6 * (size_t)m->n_elements, sizeof *mass->matrix);
     mass->slope_flex = calloc((size_t)m->n_elements, sizeof *mass->slope_flex);
     mass->push = calloc(6 * (size_t)m->n_elements, sizeof *mass->push);
-    if (!mass->inverse || !mass->added || !mass->own || !mass->row || !mass->slope_flex || !mass->push)
+    mass->from = calloc(2 * (size_t)m->n_elements, sizeof *mass->from);
+    if (!mass->inverse || !mass->added || !mass->own || !mass->row || !mass->matrix || !mass->slope_flex ||
+        !mass->push || !mass->from)
         return ANCF_E_MEMORY;
     if (added) memcpy(mass->added, added, (size_t)m->n_nodes * sizeof *added);
 
+    list_matrices(m);
     double* diagonal = m->work;
     find_diagonal(diagonal, m);
     mass->diagonal = true;
@@ -277,23 +270,33 @@ void ancf_mass_destroy(ancf_mass* mass) {
     free(mass->value);
     free(mass->pivot);
     free(mass->rhs);
+    free(mass->matrix);
     free(mass->slope_flex);
     free(mass->push);
+    free(mass->from);
     free(mass->full);
     free(mass->load);
     free(mass);
 }
 
-ANCF_CLONES double ancf_mass_kinetic(const ancf_model* m) {
+ANCF_CLONES double ancf_mass_kinetic_kept(const ancf_model* m, double last, double step) {
     double twice = 0.0;
     for (int c = 0; c < 3; ++c) {
-        const double *v = m->v + c * m->stride, *own = m->mass->own;
-        for (int i = 0; i < m->n_dof; ++i) twice += own[i] * v[i] * v[i];
+        const double *v = m->v + c * m->stride, *a = m->a + c * m->stride, *own = m->mass->own;
+#pragma omp simd reduction(+ : twice)
+        for (int i = 0; i < m->n_dof; ++i) {
+            const double mid = v[i] + 0.5 * last * a[i], half = 0.5 * step * a[i];
+            twice += own[i] * (mid * mid - half * half);
+        }
     }
     return 0.5 * twice;
 }
 
+double ancf_mass_kinetic(const ancf_model* m) { return ancf_mass_kinetic_kept(m, 0.0, 0.0); }
+
 double ancf_mass_added(const ancf_model* m, int node) { return m->mass->added[node]; }
+
+const double* ancf_mass_inverse(const ancf_model* m) { return m->mass->inverse; }
 
 bool ancf_mass_diagonal(const ancf_model* m) { return m->mass->diagonal; }
 
@@ -307,7 +310,7 @@ ANCF_CLONES static void solve_diagonal(const ancf_model* m, double* acceleration
 }
 
 // L L^T x = b for three right-hand sides at once.
-ANCF_CLONES static void solve_factor(const ancf_mass* mass) {
+ANCF_CLONES void ancf_mass_solve_rows(const ancf_mass* mass) {
     double(*b)[4] = mass->rhs;
     const int *begin = mass->begin, *index = mass->index;
     const double *value = mass->value, *pivot = mass->pivot;
@@ -352,7 +355,7 @@ static void solve_consistent(const ancf_model* m, double* acceleration, const do
         for (int c = 0; c < 3; ++c) mass->rhs[r][c] = force[c * s + i];
     }
     if (mass->held) subtract_held(m, acceleration);
-    solve_factor(mass);
+    ancf_mass_solve_rows(mass);
     for (int i = 0; i < m->n_dof; ++i) {
         const int r = mass->row[i];
         if (r < 0) continue;
@@ -389,35 +392,92 @@ ANCF_CLONES static void slopes_follow(const ancf_model* m, double* acceleration,
     }
 }
 
-// y = A x for three right-hand sides, four columns at a time, so that sums go to memory a quarter as often.
-ANCF_CLONES static void multiply_full(double* restrict y, const double* restrict A, const double* restrict x,
-                                      int lanes) {
-    memset(y, 0, 3 * (size_t)lanes * sizeof *y);
-    for (int j = 0; j < lanes; j += 4)
-        for (int c = 0; c < 3; ++c) {
-            const double *a = A + j * lanes, *xc = x + c * lanes + j;
-            double* yc = y + c * lanes;
-            for (int i = 0; i < lanes; ++i)
-                yc[i] += (a[i] * xc[0] + a[lanes + i] * xc[1]) + (a[2 * lanes + i] * xc[2] + a[3 * lanes + i] * xc[3]);
+typedef double four __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
+
+// y = A x for three right-hand sides, n columns: ROWS rows at a time, whose sums stay in nine registers.
+ANCF_CLONES static void multiply_full(double* restrict y, const double* restrict A, const double* restrict x, int n,
+                                      int rows) {
+    for (int i = 0; i < rows; i += ROWS) {
+        four sum[3][3] = {{{0.0}}};
+        for (int j = 0; j < n; ++j) {
+            const double* a = A + j * rows + i;
+            const four a0 = *(const four*)a, a1 = *(const four*)(a + 4), a2 = *(const four*)(a + 8);
+            for (int c = 0; c < 3; ++c) {
+                const double load = x[c * rows + j];
+                sum[0][c] += a0 * load;
+                sum[1][c] += a1 * load;
+                sum[2][c] += a2 * load;
+            }
         }
+        for (int k = 0; k < 3; ++k)
+            for (int c = 0; c < 3; ++c) *(four*)(y + c * rows + i + 4 * k) = sum[k][c];
+    }
+}
+
+// Where a row's right-hand side stands, and then the solution: x, y and z `apart`.
+typedef struct {
+    double *load, *answer;
+    int each, apart;
+} nodes_rhs;
+
+static nodes_rhs rhs_of(const ancf_mass* mass) {
+    double* side = mass->rows ? mass->load : (double*)mass->rhs;
+    return mass->rows ? (nodes_rhs) {side, side + 3 * mass->rows, 1, mass->rows} : (nodes_rhs) {side, side, 4, 1};
 }
 
 static void solve_nodes(const ancf_mass* mass) {
-    if (!mass->lanes) {
-        solve_factor(mass);
-        return;
+    if (mass->rows) multiply_full(mass->load + 3 * mass->rows, mass->full, mass->load, mass->n, mass->rows);
+    else ancf_mass_solve_rows(mass);
+}
+
+// Forces of the nodes, with those that the slopes pass on.
+ANCF_CLONES static void load_nodes(const ancf_model* m, const double* force) {
+    const ancf_mass* mass = m->mass;
+    const int n = m->n_elements, s = m->stride, *row = mass->row, *from = mass->from, *first = m->first;
+    const double *x = mass->push, *y = x + 2 * n, *z = y + 2 * n;
+    const nodes_rhs rhs = rhs_of(mass);
+    for (int i = 0; i < m->n_nodes; ++i) {
+        if (row[i] < 0) continue;
+        double *sum = rhs.load + row[i] * rhs.each, sum_x = force[i], sum_y = force[s + i], sum_z = force[2 * s + i];
+        for (int k = first[i]; k < first[i + 1]; ++k) {
+            sum_x += x[from[k]];
+            sum_y += y[from[k]];
+            sum_z += z[from[k]];
+        }
+        sum[0] = sum_x;
+        sum[rhs.apart] = sum_y;
+        sum[2 * rhs.apart] = sum_z;
     }
-    double *x = mass->load, *y = x + 3 * mass->lanes;
-    for (int i = 0; i < mass->n; ++i)
-        for (int c = 0; c < 3; ++c) x[c * mass->lanes + i] = mass->rhs[i][c];
-    multiply_full(y, mass->full, x, mass->lanes);
-    for (int i = 0; i < mass->n; ++i)
-        for (int c = 0; c < 3; ++c) mass->rhs[i][c] = y[c * mass->lanes + i];
+}
+
+// The nodes' accelerations, and for each element those of its ends.
+ANCF_CLONES static void unload_nodes(const ancf_model* m, double* acceleration) {
+    const ancf_mass* mass = m->mass;
+    const int n = m->n_elements, s = m->stride, *row = mass->row, *ends = m->ends;
+    double *a = acceleration, *b = a + s, *c = b + s, *x = mass->push, *y = x + 2 * n, *z = y + 2 * n;
+    const nodes_rhs rhs = rhs_of(mass);
+    for (int i = 0; i < m->n_nodes; ++i) {
+        if (row[i] < 0) continue;
+        const double* value = rhs.answer + row[i] * rhs.each;
+        a[i] = value[0];
+        b[i] = value[rhs.apart];
+        c[i] = value[2 * rhs.apart];
+    }
+    for (int e = 0; e < n; ++e) {
+        const int i = ends[2 * e], j = ends[2 * e + 1];
+        x[e] = a[i];
+        x[n + e] = a[j];
+        y[e] = b[i];
+        y[n + e] = b[j];
+        z[e] = c[i];
+        z[n + e] = c[j];
+    }
 }
 
 // Held nodes push on the others through the condensed matrix.
 static void subtract_held_nodes(const ancf_model* m, const double* acceleration) {
     const ancf_mass* mass = m->mass;
+    const nodes_rhs rhs = rhs_of(mass);
     for (int e = 0; e < m->n_elements; ++e) {
         const int* end = m->ends + 2 * e;
         if (!m->hold[end[0]] && !m->hold[end[1]]) continue;
@@ -427,32 +487,18 @@ static void subtract_held_nodes(const ancf_model* m, const double* acceleration)
             for (int j = 0; j < 2; ++j)
                 if (m->hold[end[j]] && mass->row[end[i]] >= 0)
                     for (int c = 0; c < 3; ++c)
-                        mass->rhs[mass->row[end[i]]][c] -= M[i][j] * acceleration[c * m->stride + end[j]];
+                        rhs.load[mass->row[end[i]] * rhs.each + c * rhs.apart] -=
+                            M[i][j] * acceleration[c * m->stride + end[j]];
     }
 }
 
 static void solve_condensed(const ancf_model* m, double* acceleration, const double* force) {
     const ancf_mass* mass = m->mass;
-    const int n = m->n_elements, s = m->stride;
     push_nodes(m, force);
-    for (int i = 0; i < m->n_nodes; ++i) {
-        const int r = mass->row[i];
-        if (r < 0) continue;
-        for (int c = 0; c < 3; ++c) {
-            double sum = force[c * s + i];
-            for (int k = m->first[i]; k < m->first[i + 1]; ++k)
-                sum += mass->push[(2 * c + (m->at[k] & 1)) * n + (m->at[k] >> 1)];
-            mass->rhs[r][c] = sum;
-        }
-    }
+    load_nodes(m, force);
     if (mass->held) subtract_held_nodes(m, acceleration);
     if (mass->n > 0) solve_nodes(mass);
-    for (int i = 0; i < m->n_nodes; ++i)
-        if (mass->row[i] >= 0)
-            for (int c = 0; c < 3; ++c) acceleration[c * s + i] = mass->rhs[mass->row[i]][c];
-    for (int c = 0; c < 3; ++c)
-        for (int e = 0; e < n; ++e)
-            for (int k = 0; k < 2; ++k) mass->push[(2 * c + k) * n + e] = acceleration[c * s + m->ends[2 * e + k]];
+    unload_nodes(m, acceleration);
     slopes_follow(m, acceleration, force);
 }
 
@@ -462,18 +508,34 @@ void ancf_mass_solve(const ancf_model* m, double* acceleration, const double* fo
     else if (m->mass->n > 0) solve_consistent(m, acceleration, force);
 }
 
-void ancf_mass_multiply(const ancf_model* m, double* product, const double* field) {
-    memset(product, 0, 3 * (size_t)m->stride * sizeof *product);
-    for (int e = 0; e < m->n_elements; ++e) {
-        double M[4][4];
-        int dof[4];
-        ancf_mass_element(M, &m->element[e]);
-        ancf_model_dofs(dof, m, e);
-        for (int c = 0; c < 3; ++c)
-            for (int i = 0; i < 4; ++i)
-                for (int j = 0; j < 4; ++j) product[c * m->stride + dof[i]] += M[i][j] * field[c * m->stride + dof[j]];
+// Along one axis: the slopes' part of the product, and what each element's ends (n each) add at their nodes.
+ANCF_CLONES static void multiply_elements(const ancf_model* m, double* product, const double* field, double* start,
+                                          double* end) {
+    const int n = m->n_elements;
+    const double *g0 = field + m->n_nodes, *g1 = g0 + n, *a = m->mass->matrix;
+    const double *b = a + n, *c = b + n, *d = c + n, *ee = d + n, *f = ee + n;
+    double *p0 = product + m->n_nodes, *p1 = p0 + n;
+#pragma GCC ivdep
+    for (int e = 0; e < n; ++e) {
+        const double r0 = field[m->ends[2 * e]], r1 = field[m->ends[2 * e + 1]];
+        start[e] = a[e] * r0 + b[e] * g0[e] + c[e] * r1 - d[e] * g1[e];
+        p0[e] = b[e] * r0 + ee[e] * g0[e] + d[e] * r1 + f[e] * g1[e];
+        end[e] = c[e] * r0 + d[e] * g0[e] + a[e] * r1 - b[e] * g1[e];
+        p1[e] = ee[e] * g1[e] - d[e] * r0 + f[e] * g0[e] - b[e] * r1;
     }
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_nodes; ++i) product[c * m->stride + i] += m->mass->added[i] * field[c * m->stride + i];
+}
+
+void ancf_mass_multiply(const ancf_model* m, double* product, const double* field) {
+    const int n = m->n_elements;
+    for (int c = 0; c < 3; ++c) {
+        const double* x = field + c * m->stride;
+        double *p = product + c * m->stride, *at_ends = m->mass->push;
+        multiply_elements(m, p, x, at_ends, at_ends + n);
+        for (int i = 0; i < m->n_nodes; ++i) {
+            p[i] = m->mass->added[i] * x[i];
+            for (int k = m->first[i]; k < m->first[i + 1]; ++k) p[i] += at_ends[(m->at[k] & 1) * n + (m->at[k] >> 1)];
+        }
+        for (int i = m->n_dof; i < m->stride; ++i) p[i] = 0.0;
+    }
     ancf_model_join(m, product);
 }

@@ -1,7 +1,7 @@
 #include "ancf/model.h"
 #include "ancf/mass.h"
 #include "ancf/shape.h"
-#include "internal.h"
+#include "tile.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -59,13 +59,23 @@ static ancf_error check_nodes(const ancf_def* def, int* where) {
     return ANCF_OK;
 }
 
-static ancf_error check_state(const ancf_model* m, int* where) {
+static ancf_error check_state(const ancf_def* def, const double* x, const double* v, int* where) {
+    const int n = def->n_nodes + 2 * def->n_elements, stride = ancf_stride(def->n_nodes, def->n_elements);
     for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_dof; ++i) {
-            *where = i < m->n_nodes ? i : (i - m->n_nodes) % m->n_elements;
-            if (!isfinite(m->x[c * m->stride + i]) || !isfinite(m->v[c * m->stride + i])) return ANCF_E_STATE;
+        for (int i = 0; i < n; ++i) {
+            *where = i < def->n_nodes ? i : (i - def->n_nodes) % def->n_elements;
+            if (!isfinite(x[c * stride + i]) || !isfinite(v[c * stride + i])) return ANCF_E_STATE;
         }
     return ANCF_OK;
+}
+
+ancf_error ancf_model_check(const ancf_def* def, const double* x, const double* v, int* where) {
+    *where = 0;
+    if (def->n_nodes < 1 || def->n_elements < 1) return ANCF_E_EMPTY;
+    ancf_error error = check_elements(def, where);
+    if (!error) error = check_next(def, where);
+    if (!error) error = check_nodes(def, where);
+    return error ? error : check_state(def, x, v, where);
 }
 
 static bool allocate(ancf_model* m) {
@@ -76,20 +86,25 @@ static bool allocate(ancf_model* m) {
     m->hold = calloc((size_t)m->stride, sizeof *m->hold);
     m->shared = calloc(2 * e, sizeof *m->shared);
     m->is_held = calloc((size_t)m->stride, sizeof *m->is_held);
-    m->group = calloc(e, sizeof *m->group);
+    m->tile = calloc(e + 1, sizeof *m->tile);
+    m->seam = calloc(2 * e, sizeof *m->seam);
+    m->knots = calloc(n, sizeof *m->knots);
     m->first = calloc(n + 1, sizeof *m->first);
     m->at = calloc(2 * e, sizeof *m->at);
-    m->inv_length = calloc(4 * e, sizeof *m->inv_length);
+    m->sign = calloc(2 * e, sizeof *m->sign);
+    m->inv_length = calloc(5 * e, sizeof *m->inv_length);
     m->weight = calloc((size_t)m->stride, sizeof *m->weight);
     m->external = calloc(5 * field, sizeof *m->external);
-    m->scratch = calloc(9 * e, sizeof *m->scratch);
+    m->pull = calloc(3 * e, sizeof *m->pull);
     m->work = calloc(6 * field, sizeof *m->work);
-    if (!m->element || !m->ends || !m->next || !m->hold || !m->shared || !m->is_held || !m->group || !m->first ||
-        !m->at || !m->inv_length || !m->weight || !m->external || !m->scratch || !m->work)
+    if (!m->element || !m->ends || !m->next || !m->hold || !m->shared || !m->is_held || !m->tile || !m->seam ||
+        !m->knots || !m->first || !m->at || !m->sign || !m->inv_length || !m->weight || !m->external || !m->pull ||
+        !m->work)
         return false;
     m->ea_length = m->inv_length + e;
     m->ei_length = m->ea_length + e;
     m->damping = m->ei_length + e;
+    m->goes_on = m->damping + e;
     m->held = m->external + field;
     m->f = m->held + field;
     m->a = m->f + field;
@@ -125,20 +140,6 @@ static void list_places(ancf_model* m) {
         if (m->hold[i]) m->is_held[m->n_held++] = i;
 }
 
-static void make_groups(ancf_model* m) {
-    for (int e = 0; e < m->n_elements; ++e) {
-        const ancf_element* el = &m->element[e];
-        const ancf_group g = {.begin = e,
-                              .end = e + 1,
-                              .kind = el->kind & ~ANCF_LUMPED,
-                              .bending = el->ei > 0.0,
-                              .damped = el->damping > 0.0};
-        ancf_group* last = m->n_groups ? &m->group[m->n_groups - 1] : NULL;
-        if (last && last->kind == g.kind && last->bending == g.bending && last->damped == g.damped) last->end = e + 1;
-        else m->group[m->n_groups++] = g;
-    }
-}
-
 // Which element ends meet at a node, in the order of the elements: the order of all sums.
 static void find_ends(ancf_model* m) {
     for (int k = 0; k < 2 * m->n_elements; ++k) m->first[m->ends[k] + 1]++;
@@ -147,6 +148,7 @@ static void find_ends(ancf_model* m) {
     for (int k = 0; k < 2 * m->n_elements; ++k) m->at[fill[m->ends[k]]++] = k;
     for (int i = m->n_nodes; i > 0; --i) m->first[i] = m->first[i - 1];
     m->first[0] = 0;
+    for (int k = 0; k < 2 * m->n_elements; ++k) m->sign[k] = m->at[k] & 1 ? 1.0 : -1.0;
 }
 
 // Gravity acts on the true curve, so that a cable sags the same however its mass is lumped.
@@ -169,11 +171,7 @@ ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x,
     int unused;
     if (!where) where = &unused;
     *model = NULL;
-    *where = 0;
-    if (def->n_nodes < 1 || def->n_elements < 1) return ANCF_E_EMPTY;
-    ancf_error error = check_elements(def, where);
-    if (!error) error = check_next(def, where);
-    if (!error) error = check_nodes(def, where);
+    ancf_error error = ancf_model_check(def, x, v, where);
     if (error) return error;
 
     ancf_model* m = calloc(1, sizeof *m);
@@ -184,21 +182,22 @@ ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x,
     m->stride = ancf_stride(def->n_nodes, def->n_elements);
     m->x = x;
     m->v = v;
-    error = check_state(m, where);
-    if (!error && !allocate(m)) error = ANCF_E_MEMORY;
-    if (!error) {
+    if (!allocate(m)) {
+        error = ANCF_E_MEMORY;
+    } else {
         copy_elements(m, def);
         list_places(m);
-        make_groups(m);
         find_ends(m);
-        ancf_axial_rules(m->axial_exact, m->axial_reduced);
         error = ancf_mass_create(m, def->mass);
+    }
+    if (!error) {
+        weigh(m);
+        if (!ancf_tiles_make(m)) error = ANCF_E_MEMORY;
     }
     if (error) {
         ancf_model_destroy(m);
         return error;
     }
-    weigh(m);
     *model = m;
     return ANCF_OK;
 }
@@ -212,13 +211,16 @@ void ancf_model_destroy(ancf_model* m) {
     free(m->hold);
     free(m->shared);
     free(m->is_held);
-    free(m->group);
+    free(m->tile);
+    free(m->seam);
+    free(m->knots);
     free(m->first);
     free(m->at);
+    free(m->sign);
     free(m->inv_length);
     free(m->weight);
     free(m->external);
-    free(m->scratch);
+    free(m->pull);
     free(m->work);
     free(m);
 }

@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-enum { STEPS = 30, PARTS = 20 };
+enum { STEPS = 200, PARTS = 20 };
 
 // Part of the slope of E along a step that may be left at its end.
 static const double flat = 0.5;

@@ -3,7 +3,7 @@
 #define ANCF_NEWTON_H
 
 // Contacts, and room for numbers that they need beside W.
-enum { ANCF_NEWTON_MOST = 32, ANCF_NEWTON_ROOM = (4 * ANCF_NEWTON_MOST + 9) * ANCF_NEWTON_MOST };
+enum { ANCF_NEWTON_MOST = 128, ANCF_NEWTON_ROOM = (4 * ANCF_NEWTON_MOST + 9) * ANCF_NEWTON_MOST };
 
 // What n contacts answer to velocities, in one direction each, or in two. `answer` falls with the velocity; `root` is
 // the root of minus its derivative, in two directions xx, xy, yy.

@@ -260,7 +260,7 @@ static void swing(const ancf_table* t, ancf_contact* c, double time, double unti
 // h: its length; at: its middle; since: the time from the last one's middle; until: from its start to the step's
 // middle. Returns what forces are off by.
 static double substep(ancf_table* t, const ancf_contact_group* g, double h, double at, double rest, double since,
-                    double until) {
+                      double until) {
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
     for (int k = first; k < end; ++k) {
         ancf_contact* c = &t->contact[contact[k]];
@@ -300,7 +300,6 @@ static double press_through(ancf_table* t, const ancf_contact_group* g, double s
         c->speed = ancf_table_opening(t, c);
         if (substeps == 0) c->gap += step * c->speed;
         c->energy = ancf_normal_energy(&c->law, -c->gap);
-        ancf_table_going(c->going, t, c);
     }
     return left;
 }
@@ -312,6 +311,10 @@ double ancf_table_press(ancf_table* t, double step, int substeps) {
         int n = substeps;
         if (t->most > 0) n = (int)ceil((double)g->substeps * substeps / t->most);
         left = ancf_larger(left, press_through(t, g, step, n));
+    }
+    for (int k = 0; k < t->groups.contacts; ++k) { // other groups have moved them by rounding
+        ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
+        ancf_table_going(c->going, t, c);
     }
     return left;
 }

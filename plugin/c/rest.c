@@ -144,18 +144,32 @@ static bool find_near(ancf_rest* r, const ancf_model* m) {
     return true;
 }
 
-int ancf_rest_look(ancf_rest* r, ancf_model* m, double* rate) {
+// Boxes with room for so many changes by `rate`, and what is near them. False: out of memory.
+static bool set_boxes(ancf_rest* r, ancf_model* m, double* rate, int steps) {
+    double* velocity = m->v;
+    m->v = rate;
+    ancf_boxes_plan(r->boxes, m, 1.0, steps, 0.0);
+    m->v = velocity;
+    return ancf_boxes_set(r->boxes, m) >= 0 && find_near(r, m);
+}
+
+static int count_pairs(const ancf_rest* r) {
     int meetings;
-    if (!r->boxed || !ancf_boxes_hold(r->boxes, m)) {
-        double* velocity = m->v;
-        m->v = rate;
-        ancf_boxes_plan(r->boxes, m, 1.0, STEPS_HELD, 0.0);
-        m->v = velocity;
-        if (ancf_boxes_set(r->boxes, m) < 0 || !find_near(r, m)) return -1;
-        r->boxed = true;
-    }
     ancf_boxes_meetings(r->boxes, &meetings);
     return meetings + r->n_near + r->n_pairs;
+}
+
+int ancf_rest_look(ancf_rest* r, ancf_model* m, double* rate) {
+    if (!r->boxed || !ancf_boxes_hold(r->boxes, m)) {
+        if (!set_boxes(r, m, rate, STEPS_HELD)) return -1;
+        r->boxed = true;
+    }
+    return count_pairs(r);
+}
+
+bool ancf_rest_clear(ancf_rest* r, ancf_model* m, double* way) {
+    r->boxed = false;
+    return set_boxes(r, m, way, 1) && count_pairs(r) == 0;
 }
 
 // ---------------------------------------------------------------- forces

@@ -1,6 +1,8 @@
 #include "ancf/step.h"
+#include "account.h"
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
+#include "held.h"
 #include "internal.h"
 
 #include <string.h>
@@ -12,15 +14,18 @@ ANCF_CLONES static void add_scaled(double* sum, const double* a, double factor, 
     for (int i = 0; i < n; ++i) sum[i] = a[i] + factor * b[i];
 }
 
+void ancf_add_loads(const ancf_model* m, double* force) {
+    if (!m->unloaded) add_scaled(force, force, 1.0, m->external, 3 * m->stride);
+    ancf_model_join(m, force);
+    for (int c = 0; c < 3; ++c) // joined already
+        if (m->gravity[c] != 0.0)
+            add_scaled(force + c * m->stride, force + c * m->stride, m->gravity[c], m->weight, m->n_dof);
+}
+
 // m->f = all forces but contact at a state.
 static void total_force(ancf_model* m, const double* x, const double* v) {
     ancf_elastic_force(m, m->f, x, v);
-    if (m->track) memcpy(m->work + 6 * m->stride, m->f, field_size(m)); // for note_damping
-    add_scaled(m->f, m->f, 1.0, m->external, 3 * m->stride);
-    ancf_model_join(m, m->f);
-    for (int c = 0; c < 3; ++c) // joined already
-        if (m->gravity[c] != 0.0)
-            add_scaled(m->f + c * m->stride, m->f + c * m->stride, m->gravity[c], m->weight, m->n_dof);
+    ancf_add_loads(m, m->f);
 }
 
 void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
@@ -28,59 +33,32 @@ void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
     ancf_mass_solve(m, m->a, m->f);
 }
 
-// Acceleration that brings what is held to its given velocity within a kick.
-static void accelerate_held(ancf_model* m, double kick) {
-    for (int k = 0; k < m->n_held; ++k)
-        for (int c = 0; c < 3; ++c) {
-            const int j = c * m->stride + m->is_held[k];
-            m->a[j] = (m->held[j] - m->v[j]) / kick;
-        }
-}
-
-// Velocities of what is held, exactly.
-static void set_held(const ancf_model* m, double* v) {
-    for (int k = 0; k < m->n_held; ++k)
-        for (int c = 0; c < 3; ++c) {
-            const int j = c * m->stride + m->is_held[k];
-            v[j] = m->held[j];
-        }
+// Energies at the start of the step, and what the Kelvin-Voigt forces do in its kick: half of that at the velocity
+// before, half at that after they have acted and no contact yet; their work on the mean, to the rounding of the scheme.
+static void account(ancf_model* m) {
+    const ancf_account of = ancf_elastic_account(m, m->x, m->v, m->free);
+    m->elastic = of.axial + of.bending;
+    m->damping_power[0] = of.before;
+    m->damping_power[1] = of.after;
 }
 
 void ancf_predict(ancf_model* m, const ancf_time* time) {
     const double kick = ancf_kick(time);
-    accelerate_held(m, kick);
+    ancf_held_accelerate(m, kick);
     total_force(m, m->x, m->v);
     ancf_mass_solve(m, m->a, m->f);
     add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
-    set_held(m, m->free);
-}
-
-// What the Kelvin-Voigt forces take out in a kick, to the last bit of the scheme: their work on the mean velocity. The
-// forces are what total_force kept less the elastic ones.
-static void note_damping(ancf_model* m) {
-    const int n = 3 * m->stride;
-    double *damping = m->work + 2 * n, *elastic = damping + n, *rest = elastic + n;
-    if (!m->track) return;
-    memset(rest, 0, field_size(m));
-    ancf_elastic_force(m, elastic, m->x, rest);
-    for (int i = 0; i < n; ++i) damping[i] -= elastic[i];
-}
-
-// Half a kick's worth of it, at a velocity: that before, or that after they have acted and no contact yet.
-static void track_damping(ancf_model* m, double kick, const double* velocity) {
-    const int n = 3 * m->stride;
-    const double* damping = m->work + 2 * n;
-    if (!m->track) return;
-    for (int i = 0; i < n; ++i) m->damping_work -= 0.5 * kick * damping[i] * velocity[i];
+    ancf_held_set(m, m->free);
+    if (m->track) account(m);
 }
 
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift) {
     const int n = 3 * m->stride;
     const double kick = ancf_kick(time);
-    note_damping(m);
-    track_damping(m, kick, m->v);
-    m->damping_half = m->damping_work;
-    track_damping(m, kick, m->free);
+    if (m->track) {
+        m->damping_half = m->damping_work - 0.5 * kick * m->damping_power[0];
+        m->damping_work = m->damping_half - 0.5 * kick * m->damping_power[1];
+    }
     if (after != m->free)
         for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / kick;
     memcpy(m->v, after, field_size(m));
@@ -95,7 +73,7 @@ void ancf_rk4(ancf_model* m, double step) {
     memcpy(x0, m->x, field_size(m));
     memcpy(v0, m->v, field_size(m));
     memset(dx, 0, 2 * field_size(m));
-    accelerate_held(m, step);
+    ancf_held_accelerate(m, step);
     m->track = false; // its work is not counted, and m->work is taken
     for (int s = 0; s < 4; ++s) {
         // v and m->a hold the rates of the stage before.

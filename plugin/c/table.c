@@ -1,6 +1,7 @@
 #include "table.h"
 
 #include "ancf/shape.h"
+#include "factor.h"
 #include "internal.h"
 #include "lever.h"
 
@@ -164,7 +165,7 @@ static bool make_room(ancf_table* t) {
     return ancf_reserve((void**)&t->first, &t->room_first, n + 1, sizeof *t->first) &&
            ancf_reserve((void**)&t->next, &t->room_next, 4 * n, sizeof *t->next) &&
            ancf_reserve((void**)&t->stiffness, &t->room_stiffness, n + t->n_bodies, sizeof *t->stiffness) &&
-           ancf_reserve((void**)&t->scratch, &t->room_scratch, 4 * t->n_couplings, sizeof *t->scratch) &&
+           ancf_reserve((void**)&t->scratch, &t->room_scratch, 7 * t->n_couplings, sizeof *t->scratch) &&
            ancf_reserve((void**)&t->push, &t->room_push, t->n_contacts, sizeof *t->push) &&
            ancf_reserve((void**)&t->drag, &t->room_drag, t->n_contacts, sizeof *t->drag) &&
            ancf_reserve((void**)&t->rubbing, &t->room_rubbing, t->n_contacts, sizeof *t->rubbing) &&
@@ -186,12 +187,36 @@ static bool make_sums(ancf_table* t) {
     return true;
 }
 
+// Of a knot on itself.
+static double own_effect(const ancf_place* p) {
+    double sum = 0.0;
+    for (int k = 0; k < p->response->n && k < 2; ++k) // an element's own nodes come first
+        for (int i = 0; i < 4; ++i)
+            if (p->dof[i] == p->response->dof[k]) sum += p->S[i] * answer(p, p->S, k);
+    return sum;
+}
+
+// A solve goes through a few times as many entries as there are rows, places through up to all of one another.
+static bool factor_is_faster(const ancf_table* t) {
+    const ancf_mass* mass = t->model->mass;
+    return mass->diagonal || (long)t->n_couplings * t->n_couplings > 4L * mass->n;
+}
+
+static bool any_contact(const ancf_table* t) {
+    for (int i = 0; i < t->n_contacts; ++i)
+        if (!t->contact[i].idle) return true;
+    return false;
+}
+
 // Rows of `effect`, each in the order in which its places were met.
 static ancf_error make_effects(ancf_table* t) {
     int count = 0;
     t->first[0] = 0;
+    t->factored = t->n_couplings > 0 && factor_is_faster(t);
+    t->alone = t->factored && !any_contact(t);
     for (int i = 0; i < t->n_places; ++i) {
-        const int n = t->place[i].idle ? 0 : find_effects(t, i);
+        const int n = t->place[i].idle || t->alone ? 0 : find_effects(t, i);
+        if (t->alone && !t->place[i].idle) t->place[i].compliance = own_effect(&t->place[i]);
         int room[2] = {t->room_effect, t->room_effect};
         if (!ancf_reserve((void**)&t->other, &room[0], count + n, sizeof *t->other) ||
             !ancf_reserve((void**)&t->bend, &room[1], count + n, sizeof *t->bend) ||
@@ -276,6 +301,7 @@ static void start_contact(ancf_table* t, ancf_contact* c) {
 
 ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* velocity) {
     if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
+    t->model = m;
     t->guessed = false;
     for (int i = 0; i < t->n_places; ++i) {
         ancf_place* p = &t->place[i];
@@ -510,24 +536,55 @@ double ancf_owed(double before, const double late[3], const double changing[3]) 
     return before + 0.5 * ancf_dot(late, changing);
 }
 
-void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
-    ancf_lever_balance(t, step);
-    for (int i = 0; i < t->groups.contacts; ++i) twist_late(t, &t->contact[t->groups.list[ANCF_CONTACTS][i]]);
-    for (int i = 0; i < t->n_places; ++i) {
-        const ancf_place* p = &t->place[i];
-        if (p->idle) continue;
-        const double *J = p->impulse, *K = p->moment, *C = p->couple;
-        const bool bent = nonzero(C, 3);
-        if (!bent && !nonzero(J, 3)) continue;
-        for (int k = 0; k < p->response->n; ++k) {
-            const double dv = answer(p, p->S, k), du = bent ? answer(p, p->T, k) : 0.0;
-            const int dof = p->response->dof[k];
-            for (int c = 0; c < 3; c++) {
-                velocity[c * m->stride + dof] += dv * J[c] + du * C[c];
-                shift[c * m->stride + dof] += dv * (K[c] - step * J[c]);
-            }
+// What a place's impulses do, along its response.
+static void spread(const ancf_place* p, const ancf_model* m, double step, double* velocity, double* shift) {
+    const double *J = p->impulse, *K = p->moment, *C = p->couple;
+    const bool bent = nonzero(C, 3);
+    if (!bent && !nonzero(J, 3)) return;
+    for (int k = 0; k < p->response->n; ++k) {
+        const double dv = answer(p, p->S, k), du = bent ? answer(p, p->T, k) : 0.0;
+        const int dof = p->response->dof[k];
+        for (int c = 0; c < 3; c++) {
+            velocity[c * m->stride + dof] += dv * J[c] + du * C[c];
+            shift[c * m->stride + dof] += dv * (K[c] - step * J[c]);
         }
     }
+}
+
+// What they all do, by one solve for the velocity and one for the shift, in the first two fields of m->work: what
+// damping takes out of this step stands in those behind.
+static void spread_all(const ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
+    const size_t size = 3 * (size_t)m->stride;
+    double *force = m->work, *answer = force + size;
+    for (int late = 0; late < 2; ++late) {
+        double* field = late ? shift : velocity;
+        memset(force, 0, 2 * size * sizeof *force);
+        for (int i = 0; i < t->n_places; ++i) {
+            const ancf_place* p = &t->place[i];
+            for (int c = 0; c < 3 && !p->idle; c++) {
+                const double J = late ? p->moment[c] - step * p->impulse[c] : p->impulse[c],
+                             C = late ? 0.0 : p->couple[c];
+                for (int k = 0; k < 4; ++k) force[c * m->stride + p->dof[k]] += p->S[k] * J + p->T[k] * C;
+            }
+        }
+        ancf_model_join(m, force);
+        ancf_mass_solve(m, answer, force);
+        for (size_t i = 0; i < size; ++i) field[i] += answer[i];
+    }
+}
+
+void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
+    long entries = 0; // of responses; a solve goes through a few times as many as there are unknowns
+    ancf_lever_balance(t, step);
+    for (int i = 0; i < t->groups.contacts; ++i) twist_late(t, &t->contact[t->groups.list[ANCF_CONTACTS][i]]);
+    for (int i = 0; i < t->n_places; ++i)
+        if (!t->place[i].idle) entries += t->place[i].response->n;
+    if (entries > 8L * m->n_dof) {
+        spread_all(t, m, step, velocity, shift);
+        return;
+    }
+    for (int i = 0; i < t->n_places; ++i)
+        if (!t->place[i].idle) spread(&t->place[i], m, step, velocity, shift);
 }
 
 void ancf_table_forces(const ancf_table* t, const ancf_model* m, double time, double* force) {

@@ -41,6 +41,7 @@ typedef struct {
 } ancf_drag;
 
 struct ancf_table {
+    const ancf_model* model; // that of the step
     ancf_responses* responses;
     int n_places, n_bodies, n_contacts, n_couplings;
     ancf_place* place;
@@ -54,7 +55,8 @@ struct ancf_table {
     double* effect;
     ancf_bend* bend; // the same of slopes
     int room_first, room_effect;
-    bool slopes; // any place takes couples
+    bool slopes;          // any place takes couples
+    bool factored, alone; // couplings are so many that the factor answers sooner; and have no contact: no rows are made
 
     // For prepare: places that use an unknown, as lists, and sums by place.
     int *head, *next; // (n_dof), (4 n_places)
@@ -76,7 +78,7 @@ struct ancf_table {
     int room_rubbing, room_part, room_first_on, room_next_on, room_effects;
     double newton[ANCF_NEWTON_ROOM];
     int most;             // sub-steps of the group that needs most; -1: not asked
-    double (*scratch)[3]; // (4 n_couplings) for conjugate gradients
+    double (*scratch)[3]; // (7 n_couplings) for conjugate gradients
     int room_scratch;
     double (*slip)[3]; // (n_contacts) before friction [m/s]
     int room_slip;

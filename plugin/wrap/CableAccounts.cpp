@@ -20,7 +20,7 @@ extern "C" {
 namespace yade {
 
 namespace {
-    enum Account { ITER, HEIGHT, PRESSED, DAMPED, RUBBED, SLOWED, LIFTED, ACCOUNTS };
+    enum Account { ITER, HEIGHT, PRESSED, DAMPED, RUBBED, SLOWED, LIFTED, LOST, ACCOUNTS };
 }
 
 // Energies at the positions that a step starts from: there leapfrog keeps their sum, and NewtonIntegrator counts what
@@ -29,9 +29,12 @@ void CableEngine::noteEnergy(const ancf_time& time) {
     ancf_model* m = model.get();
     const bool leapfrog = integrator == "leapfrog";
     const Real last = leapfrog ? time.last : 0, next = leapfrog ? time.step : 0;
-    Real axial, bending;
-    ancf_elastic_energy(&axial, &bending, m, m->x, 0, nElements());
-    elasticAt = axial + bending;
+    if (implicit) { // leapfrog has it from its forces
+        Real axial, bending;
+        ancf_elastic_energy(&axial, &bending, m, m->x, 0, nElements());
+        m->elastic = axial + bending;
+    }
+    elasticAt = m->elastic;
     heightAt = ancf_height(m);
     kineticAt = ancf_kinetic_kept(m, last, next);
     for (size_t i = 0; i < carryNodes.size(); ++i) {
@@ -48,6 +51,7 @@ void CableEngine::noteEnergy(const ancf_time& time) {
         touching.track(openAccounts[PRESSED], damped, rubbed);
     }
     m->damping_work = m->damping_half = 0;
+    if (implicit) implicit->lost = 0;
 }
 
 void CableEngine::trackEnergy() {
@@ -64,6 +68,7 @@ void CableEngine::trackEnergy() {
     tracker.add(elasticAt, "cableElastic", elasticIx, true);
     tracker.add(lifted, "gravWork", gravityIx, false);
     tracker.add(open[SLOWED] + model->damping_half, "cableDamping", dampingIx, false);
+    if (implicit) tracker.add(open[LOST], "cableNumerical", lostIx, false);
     tracker.add(open[PRESSED], "contactElastic", pressIx, true);
     tracker.add(open[DAMPED], "contactDamping", contactIx, false);
     tracker.add(open[RUBBED], "cableFriction", frictionIx, false);
@@ -71,6 +76,7 @@ void CableEngine::trackEnergy() {
     open[HEIGHT] = heightAt;
     open[SLOWED] = model->damping_work - model->damping_half;
     open[LIFTED] = touching.lift();
+    open[LOST] = implicit ? implicit->lost : 0;
     touching.track(open[PRESSED], open[DAMPED], open[RUBBED]);
 }
 

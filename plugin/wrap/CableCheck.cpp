@@ -175,6 +175,24 @@ void CableCheck::partners(Body::id_t first) const {
     }
 }
 
+void CableCheck::implicit() const {
+    const auto refuse = [&](const string& why) {
+        throw std::invalid_argument(
+            text("CableEngine ", cable.family, ": integrator = 'implicit' ", why, ", or take integrator = 'leapfrog'"));
+    };
+    if (!elements.empty())
+        refuse(text("knows no contact, and ", nameOf(*elements.begin()->second.front()),
+                    " may touch something: make the cable with contactPoints=0"));
+    for (size_t i = 0; i < cable.carryIds.size(); ++i)
+        if (cable.carrierOf(cable.carryIds[i]) < 0)
+            refuse(text("knows bodies at their centre alone, and node ", cable.carryNodes[i], " carries body ",
+                        cable.carryIds[i], " off its centre or on a guide: carry it at (0, 0, 0)"));
+    for (const auto& body : *cable.theScene().bodies)
+        if (body && mayMeet(*body))
+            refuse(text("knows no contact, and ", nameOf(*body),
+                        " may touch a sphere that a knot carries: keep them apart by groupMask"));
+}
+
 // ---------------------------------------------------------------- overlaps
 
 void CableCheck::overlapsOfElements(vector<Overlap>& found, Real part) const {
@@ -185,10 +203,18 @@ void CableCheck::overlapsOfElements(vector<Overlap>& found, Real part) const {
         ancf_cubic cubic;
         Hull hull;
     };
+    const BodyContainer& bodies = *cable.theScene().bodies;
+    const auto isOther = [](const auto& body) {
+        return body && !CableElement::of(*body) && body->shape && body->isBounded();
+    };
+    bool any = false;
+    for (size_t id = 0; id < bodies.size() && !any; ++id) any = isOther(bodies[id]);
+    if (!any) return;
     vector<Piece> pieces;
+    pieces.reserve(cable.length.size());
     const auto view = cable.touching.view();
-    for (const auto& [mask, bodies] : elements)
-        for (const Body* body : bodies) {
+    for (const auto& [mask, those] : elements)
+        for (const Body* body : those) {
             const int e = CableElement::of(*body)->element;
             ancf_cubic cubic;
             ancf_cover_cubic(&cubic, cable.theModel(), cable.theModel()->x, e);
@@ -204,8 +230,7 @@ void CableCheck::overlapsOfElements(vector<Overlap>& found, Real part) const {
     }
     for (const auto& other : *cable.theScene().bodies) {
         ancf_solid solid;
-        if (!other || CableElement::of(*other) || !other->shape || !other->isBounded() || !solidOf(solid, *other))
-            continue;
+        if (!isOther(other) || !solidOf(solid, *other)) continue;
         const auto* sphere = dynamic_cast<const Sphere*>(other->shape.get());
         const Real reach = ancf_solid_reach(&solid);
         if (all.distance(other->state->pos) > reach + thickest) continue;

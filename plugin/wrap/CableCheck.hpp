@@ -39,6 +39,7 @@ public:
 
     void others() const;                       // no cable of another engine, nor what it carries
     void partners(Body::id_t first) const;     // bodies from a number on
+    void implicit() const;                     // what implicit steps cannot carry; invalid_argument
     vector<Overlap> overlaps(Real part) const; // deeper than a part of the smaller radius, of a built engine
 };
 

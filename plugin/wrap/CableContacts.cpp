@@ -18,7 +18,7 @@ namespace yade {
 
 namespace {
     constexpr int substepsMost = 5000; // of contacts in a step
-    constexpr Real normalUnsolved = .1, frictionUnsolved = 1; // parts of the largest force by which one may be off
+    constexpr Real unsolved = .1;      // part of the largest force by which one may be off
     constexpr int restingSteps = 100;  // of the cable, that an element should be able to move before it leaves its box
     constexpr Real stepsAhead = 2.5;   // more than what the functors look for, as speeds grow until boxes are new
     constexpr Real marginAhead = .05;  // and this part of the radius besides
@@ -144,6 +144,7 @@ void CableContacts::plan(const CableEngine& cable) {
 
 // After the collider has run: the boxes are those of now, and only elements in an interaction are looked at until then.
 void CableContacts::lookAround(const CableEngine& cable) {
+    if (kinds == 0) return; // no element touches anything
     const Scene& s = *cable.scene;
     const bool ran = [&] {
         for (const Body::id_t id : cable.elementIds)
@@ -285,24 +286,25 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
     rows.push_back(row);
 }
 
-void CableContacts::addElements(const CableEngine& cable) {
+// Contacts of elements that are looked at, then of spheres that knots carry (element -1), until `found` says so.
+template <class F> bool CableContacts::find(const CableEngine& cable, F found) const {
     for (const int e : awake)
-        for (const auto& [id, contact] : cable.elementBody(e).intrs) addContact(cable, *contact, e);
-}
-
-void CableContacts::addCarried(const CableEngine& cable) {
-    const auto add = [&](const Body& body) {
-        if (!CarriedSphere::is(body)) return;
+        for (const auto& [id, contact] : cable.elementBody(e).intrs)
+            if (found(*contact, e)) return true;
+    const auto ofSphere = [&](const Body& body) {
+        if (!CarriedSphere::is(body)) return false;
         for (const auto& [id, contact] : body.intrs)
-            if (contact->getId2() == body.id) addContact(cable, *contact, -1);
+            if (contact->getId2() == body.id && found(*contact, -1)) return true;
+        return false;
     };
     for (const Body::id_t id : cable.carryIds) {
         const Body& body = *(*cable.scene->bodies)[id];
-        add(body);
+        if (ofSphere(body)) return true;
         if (body.isClump())
             for (const auto& member : static_cast<const Clump&>(*body.shape).members)
-                add(*(*cable.scene->bodies)[member.first]);
+                if (ofSphere(*(*cable.scene->bodies)[member.first])) return true;
     }
+    return false;
 }
 
 void CableContacts::addCouplings(const CableEngine& cable) {
@@ -328,20 +330,30 @@ void CableContacts::addCrossings(CableEngine& cable) {
                          memory.data(), static_cast<int>(memory.size())));
 }
 
-void CableContacts::gather(CableEngine& cable, int steps) {
+bool CableContacts::begin(const CableEngine& cable, int steps) {
     untilFirst = -.5 * (steps - 1) * cable.scene->dt / steps;
     ancf_table_clear(table.get());
     ++gathered;
     entries.clear();
     rows.clear();
+    firstCrossing = 0;
     const size_t bodies = cable.scene->bodies->size();
     if (stamp.size() < bodies) stamp.resize(bodies, -1);
     if (entryOfBody.size() < bodies) entryOfBody.resize(bodies);
     knotOfCarrier.assign(cable.carryIds.size(), -1);
     lookAround(cable);
+    return windows > 0 || cable.anyCoupled || find(cable, [](const Interaction& contact, int) {
+               const CableGeom* geom = geomOf(contact);
+               return geom && !geom->xi.empty();
+           });
+}
+
+void CableContacts::gather(CableEngine& cable) {
     addCouplings(cable);
-    addElements(cable);
-    addCarried(cable);
+    find(cable, [&](const Interaction& contact, int element) {
+        addContact(cable, contact, element);
+        return false;
+    });
     addCrossings(cable);
 }
 
@@ -389,12 +401,10 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     const Real pressLeft = ancf_table_press(t, time.step, needed);
     Real rubLeft = 0;
     const int sweeps = ancf_table_rub(t, time.step, &rubLeft);
-    const bool pressed = pressLeft <= normalUnsolved, rubbed = rubLeft <= frictionUnsolved;
-    if (!pressed || !rubbed)
-        cable.refuse(text("at iteration ", cable.scene->iter, " the ", pressed ? "friction" : "normal",
-                          " forces of contacts could not be solved, ", pressed ? rubLeft : pressLeft,
-                          " of the largest is left; the stiffest is ", nameOf(cable, stiffest), "; use O.dt < ",
-                          steps * time.step, " s, or masses and stiffnesses that differ less"));
+    if (!(pressLeft <= unsolved))
+        cable.refuse(text("at iteration ", cable.scene->iter, " the normal forces of contacts could not be solved, ",
+                          pressLeft, " of the largest is left; the stiffest is ", nameOf(cable, stiffest),
+                          "; use O.dt < ", steps * time.step, " s, or masses and stiffnesses that differ less"));
     if (sweeps > 0) ancf_table_couple(t, time.step);
     ancf_table_apply(t, m, time.step, after.data(), shift.data());
     ancf_table_end(t, time.step);
@@ -402,6 +412,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     cable.sweeps = std::max(cable.sweeps, sweeps);
     cable.normalLeft = std::max(cable.normalLeft, pressLeft);
     cable.frictionLeft = std::max(cable.frictionLeft, rubLeft);
+    if (!(rubLeft <= unsolved)) ++cable.frictionUnsolved;
 }
 
 string CableContacts::nameOf(const CableEngine& cable, int contact) const {
@@ -515,6 +526,7 @@ void CableContacts::follow(const CableEngine& cable) {
 
 void CableContacts::look(CableEngine& cable) {
     follow(cable);
+    if (kinds == 0) return;
     outgrown = !cable.sleep || !ancf_boxes_hold(boxes.get(), cable.theModel());
     if (!outgrown) return;
     plan(cable);

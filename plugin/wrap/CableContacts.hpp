@@ -66,8 +66,7 @@ class CableContacts {
     int addBody(const CableEngine& cable, const Body& touched);
     ancf_side sideOf(const CableEngine& cable, const Body& touched, const Vector3r& at);
     void addContact(const CableEngine& cable, const Interaction& contact, int element);
-    void addElements(const CableEngine& cable);
-    void addCarried(const CableEngine& cable);
+    template <class F> bool find(const CableEngine& cable, F found) const;
     void addCouplings(const CableEngine& cable);
     void addCrossings(CableEngine& cable);
     void follow(const CableEngine& cable);
@@ -80,7 +79,8 @@ public:
     void reset(); // the model is gone
     void build(CableEngine& cable);
 
-    void gather(CableEngine& cable, int steps);                                 // that the cable takes in O.dt
+    bool begin(const CableEngine& cable, int steps); // that the cable takes in O.dt; false: there is nothing to gather
+    void gather(CableEngine& cable);
     void solve(CableEngine& cable, const ancf_time& time, int step, int steps); // one of the cable's in O.dt
     void give(CableEngine& cable, const ancf_time& time);
     void look(CableEngine& cable);                             // after the step: do the boxes hold?

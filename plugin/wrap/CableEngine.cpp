@@ -4,6 +4,7 @@
 
 #include "CableNodes.hpp"
 #include "Drive.hpp"
+#include "numbers.hpp"
 #include "text.hpp"
 
 #include <core/Omega.hpp>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 namespace yade {
 
@@ -39,6 +41,7 @@ shared_ptr<const CableView> CableEngine::viewOf(const Scene& scene, int family) 
 
 void CableEngine::changed() {
     touching.reset();
+    implicit.reset();
     model.reset();
     pairsChecked = partnersChecked = false;
     openAccounts.clear();
@@ -63,6 +66,7 @@ void CableEngine::postSave(CableEngine&) {
 void CableEngine::postLoad(CableEngine&) {
     normalKind = choose("normal", normal, {"linear", "hertz", "nonlinear"});
     frictionKind = choose("friction", friction, {"none", "coulomb", "hollars"});
+    standsFor.clear();
     changed();
     if (crossPairs.empty()) return;
     touching.remember(crossPairs, crossValues);
@@ -99,49 +103,53 @@ namespace {
     }
 } // namespace
 
-py::tuple CableEngine::add(const vector<Vector3r>& nodes, const vector<Vector3r>& slopes, const vector<int>& newEnds,
-                           const vector<int>& newNext, int newKind, const vector<Real>& newLength, Real newEa,
-                           Real newEi, Real newRhoA, Real newDamping) {
-    const int firstNode = nNodes, firstElement = nElements(), n = static_cast<int>(nodes.size()),
-              e = static_cast<int>(newLength.size());
-    if (n < 2 || e < 1 || slopes.size() != 2 * newLength.size() || newEnds.size() != slopes.size() ||
-        newNext.size() != newLength.size())
-        throw std::invalid_argument(text("CableEngine.add: ", n, " nodes and ", e, " lengths need ", 2 * e,
-                                         " slopes and ends and ", e, " next; got ", slopes.size(), ", ", newEnds.size(),
-                                         " and ", newNext.size()));
+py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlopes, const py::object& newEnds,
+                           const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
+                           Real newRhoA, Real newDamping) {
+    const Numbers<Real> nodes(newNodes, "CableEngine.add: nodes"), slopes(newSlopes, "CableEngine.add: slopes"),
+        lengths(newLength, "CableEngine.add: length");
+    const Numbers<int> endsOf(newEnds, "CableEngine.add: ends"), nextOf(newNext, "CableEngine.add: next");
+    const int firstNode = nNodes, firstElement = nElements(), n = static_cast<int>(nodes.size()) / 3,
+              e = static_cast<int>(lengths.size());
+    if (n < 2 || nodes.size() % 3 != 0 || e < 1 || slopes.size() != 6 * lengths.size() ||
+        endsOf.size() != 2 * lengths.size() || nextOf.size() != lengths.size())
+        throw std::invalid_argument(text("CableEngine.add: ", e,
+                                         " lengths need 3 numbers for each of 2 nodes at least, ", 6 * e,
+                                         " of slopes, ", 2 * e, " ends and ", e, " next; got ", nodes.size(), ", ",
+                                         slopes.size(), ", ", endsOf.size(), " and ", nextOf.size()));
     vector<ancf_element> elements;
-    for (const Real l : newLength) elements.push_back({newKind, l, newEa, newEi, newRhoA, newDamping});
+    for (const Real l : lengths) elements.push_back({newKind, l, newEa, newEi, newRhoA, newDamping});
 
     const int allNodes = nNodes + n, all = firstElement + e, stride = ancf_stride(allNodes, all);
     vector<Real> x = widen(position, nNodes, firstElement, allNodes, all),
                  v = widen(velocity, nNodes, firstElement, allNodes, all);
     for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < n; ++i) x[c * stride + firstNode + i] = nodes[i][c];
+        for (int i = 0; i < n; ++i) x[c * stride + firstNode + i] = nodes[3 * i + c];
         for (int i = 0; i < e; ++i) {
-            x[c * stride + allNodes + firstElement + i] = slopes[2 * i][c];
-            x[c * stride + allNodes + all + firstElement + i] = slopes[2 * i + 1][c];
+            x[c * stride + allNodes + firstElement + i] = slopes[6 * i + c];
+            x[c * stride + allNodes + all + firstElement + i] = slopes[6 * i + 3 + c];
         }
     }
     // The new part alone, to refuse it before it is in.
-    const ancf_def def = {n, e, elements.data(), newEnds.data(), newNext.data(), nullptr, nullptr};
-    vector<Real> newX(3 * static_cast<size_t>(ancf_stride(n, e)), 0), newV = newX;
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < n; ++i) newX[c * ancf_stride(n, e) + i] = nodes[i][c];
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < e; ++i) newX[c * ancf_stride(n, e) + n + i] = slopes[2 * i].sum() + slopes[2 * i + 1].sum();
-    ancf_model* trial = nullptr;
+    const ancf_def def = {n, e, elements.data(), endsOf.begin(), nextOf.begin(), nullptr, nullptr};
+    const int newStride = ancf_stride(n, e);
+    vector<Real> newX(3 * static_cast<size_t>(newStride), 0);
+    for (int c = 0; c < 3; ++c) {
+        Real* block = newX.data() + c * newStride;
+        for (int i = 0; i < n; ++i) block[i] = nodes[3 * i + c];
+        for (int i = 0; i < e; ++i) block[n + i] = slopes[6 * i + c] + slopes[6 * i + 3 + c];
+    }
     int where = 0;
-    const ancf_error error = ancf_model_create(&trial, &def, newX.data(), newV.data(), &where);
-    ancf_model_destroy(trial);
+    const ancf_error error = ancf_model_check(&def, newX.data(), newX.data(), &where);
     if (error)
         throw std::invalid_argument(text("CableEngine.add: element or node ", where, ": ", ancf_error_text(error)));
 
     position = std::move(x);
     velocity = std::move(v);
-    for (const int k : newEnds) ends.push_back(firstNode + k);
-    for (const int k : newNext) next.push_back(k < 0 ? -1 : firstElement + k);
+    for (const int k : endsOf) ends.push_back(firstNode + k);
+    for (const int k : nextOf) next.push_back(k < 0 ? -1 : firstElement + k);
     kind.insert(kind.end(), e, newKind);
-    length.insert(length.end(), newLength.begin(), newLength.end());
+    length.insert(length.end(), lengths.begin(), lengths.end());
     ea.insert(ea.end(), e, newEa);
     ei.insert(ei.end(), e, newEi);
     rhoA.insert(rhoA.end(), e, newRhoA);
@@ -151,9 +159,11 @@ py::tuple CableEngine::add(const vector<Vector3r>& nodes, const vector<Vector3r>
     return py::make_tuple(firstNode, firstElement);
 }
 
-void CableEngine::cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const vector<int>& runs,
-                        const vector<Real>& arcs, const vector<Real>& closedRuns) {
+void CableEngine::cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const py::object& newRun,
+                        const py::object& newArc, const py::object& newClosed) {
     constexpr int partsMost = 64;
+    const Numbers<int> runs(newRun, "CableEngine.cover: run");
+    const Numbers<Real> arcs(newArc, "CableEngine.cover: arc"), closedRuns(newClosed, "CableEngine.cover: closed");
     const size_t n = runs.size(), old = radius.size();
     if (first != static_cast<int>(old) || old + n != length.size() || arcs.size() != n || closedRuns.size() != n)
         throw std::invalid_argument(text("CableEngine.cover: first = ", first, " with ", n, " runs, ", arcs.size(),
@@ -175,17 +185,31 @@ void CableEngine::cover(int first, Real thickness, int parts, bool fixedPlaces, 
     changed();
 }
 
-void CableEngine::addBodies(int first, const vector<Body::id_t>& ids) {
-    const Scene& s = theScene();
-    if (first < 0 || first + ids.size() > elementIds.size())
-        throw std::invalid_argument(text("CableEngine.addBodies: first = ", first, " with ", ids.size(),
-                                         " ids: cover() was told of ", elementIds.size(), " elements"));
-    for (const Body::id_t id : ids)
-        if (!s.bodies->exists(id) || !CableElement::of(*(*s.bodies)[id]))
-            throw std::invalid_argument(
-                text("CableEngine.addBodies: body ", id, " must exist and have the shape CableElement"));
-    std::copy(ids.begin(), ids.end(), elementIds.begin() + first);
+vector<Body::id_t> CableEngine::addBodies(int first, const shared_ptr<Material>& material, int mask) {
+    if (first < 0 || elementIds.size() != length.size())
+        throw std::invalid_argument(text("CableEngine.addBodies: first = ", first, ": cover() was told of ",
+                                         elementIds.size(), " of ", length.size(), " elements"));
+    const auto stride = getStride(), n = nElements();
+    vector<Body::id_t> ids;
+    for (int e = first; e < n; ++e) {
+        const auto at = [&](int place) { return nodeOf(position.data(), stride, place); };
+        Vector3r middle = .5 * (at(ends[2 * e]) + at(ends[2 * e + 1]));
+        if (!(kind[e] & ANCF_SPRING)) middle += length[e] / 8 * (at(nNodes + e) - at(nNodes + n + e));
+        const auto shape = boost::make_shared<CableElement>();
+        shape->element = e;
+        shape->family = family;
+        shape->radius = radius[e];
+        const auto body = boost::make_shared<Body>();
+        body->shape = shape;
+        body->material = material;
+        body->groupMask = mask;
+        body->state->pos = body->state->refPos = middle;
+        body->state->mass = 0;
+        body->state->blockedDOFs = State::DOF_ALL;
+        ids.push_back(elementIds[e] = theScene().bodies->insert(body));
+    }
     changed();
+    return ids;
 }
 
 void CableEngine::fix(int node) {
@@ -262,9 +286,61 @@ void CableEngine::load(int node, const Vector3r& force) {
 }
 
 int CableEngine::tied(int node) const {
-    for (size_t i = 0; i < tiedNodes.size(); ++i)
-        if (tiedNodes[i] == node) return tied(tiedTo[i]);
+    checkNode(node, "tied");
+    const bool none = standsFor.empty();
+    for (int i = static_cast<int>(standsFor.size()); i < nNodes; ++i) standsFor.push_back(i);
+    for (size_t i = 0; none && i < tiedNodes.size(); ++i) standsFor[tiedNodes[i]] = tiedTo[i];
+    while (standsFor[node] != node) node = standsFor[node] = standsFor[standsFor[node]];
     return node;
+}
+
+vector<int> CableEngine::elementsAt(int node) const {
+    vector<int> found;
+    for (int e = 0; e < nElements(); ++e)
+        if (ends[2 * e] == node || ends[2 * e + 1] == node) found.push_back(e);
+    return found;
+}
+
+void CableEngine::checkRange(const char* what, int first, int n, int all) const {
+    if (first < 0 || n < 0 || first > all - n)
+        throw std::out_of_range(text("CableEngine: ", n, " ", what, " from ", first, " on: there are ", all));
+}
+
+py::object CableEngine::state(int firstNode, int nodes, int firstElement, int elements) const {
+    checkRange("nodes", firstNode, nodes, nNodes);
+    checkRange("elements", firstElement, elements, nElements());
+    const size_t size = 3 * (static_cast<size_t>(nodes) + 2 * static_cast<size_t>(elements)) * sizeof(Real);
+    const py::object bytes(py::handle<>(PyByteArray_FromStringAndSize(nullptr, static_cast<Py_ssize_t>(size))));
+    char* to = PyByteArray_AS_STRING(bytes.ptr());
+    const auto give = [&](int place) {
+        const Vector3r value = nodeOf(position.data(), getStride(), place);
+        std::memcpy(to, value.data(), 3 * sizeof(Real));
+        to += 3 * sizeof(Real);
+    };
+    for (int i = 0; i < nodes; ++i) give(tied(firstNode + i));
+    for (int e = firstElement; e < firstElement + elements; ++e) {
+        give(nNodes + e);
+        give(nNodes + nElements() + e);
+    }
+    return bytes;
+}
+
+void CableEngine::setVelocities(int firstNode, const py::object& ofNodes, int firstElement,
+                                const py::object& ofSlopes) {
+    const Numbers<Real> nodes(ofNodes, "CableEngine.setVelocities: nodes"),
+        slopes(ofSlopes, "CableEngine.setVelocities: slopes");
+    if (nodes.size() % 3 != 0 || slopes.size() % 6 != 0)
+        throw std::invalid_argument(text("CableEngine.setVelocities: ", nodes.size(), " numbers of nodes and ",
+                                         slopes.size(), " of slopes: must be 3 a node and 6 an element"));
+    const int n = static_cast<int>(nodes.size() / 3), e = static_cast<int>(slopes.size() / 6), stride = getStride();
+    checkRange("nodes", firstNode, n, nNodes);
+    checkRange("elements", firstElement, e, nElements());
+    for (int i = 0; i < n; ++i)
+        setNode(velocity.data(), stride, tied(firstNode + i),
+                Vector3r(nodes[3 * i], nodes[3 * i + 1], nodes[3 * i + 2]));
+    for (int i = 0; i < 2 * e; ++i)
+        setNode(velocity.data(), stride, nNodes + (i % 2) * nElements() + firstElement + i / 2,
+                Vector3r(slopes[3 * i], slopes[3 * i + 1], slopes[3 * i + 2]));
 }
 
 void CableEngine::tie(int node, int other) {
@@ -284,6 +360,7 @@ void CableEngine::tie(int node, int other) {
         if (loaded == other) loaded = node;
     tiedNodes.push_back(other);
     tiedTo.push_back(node);
+    standsFor[other] = node;
     changed();
 }
 

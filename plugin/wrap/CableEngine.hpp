@@ -10,6 +10,7 @@
 #include <memory>
 
 extern "C" {
+#include "ancf/implicit.h"
 #include "ancf/model.h"
 #include "ancf/step.h"
 }
@@ -26,19 +27,26 @@ class CableEngine : public GlobalEngine {
         void operator()(ancf_model* m) const { ancf_model_destroy(m); }
     };
 
+    struct ImplicitDeleter {
+        void operator()(ancf_implicit* s) const { ancf_implicit_destroy(s); }
+    };
+
     std::unique_ptr<ancf_model, ModelDeleter> model;
+    std::unique_ptr<ancf_implicit, ImplicitDeleter> implicit; // where that is the integrator
     CableContacts touching;
+    mutable vector<int> standsFor; // (nodes) one nearer to that which stands for it, itself if it is that; see tied()
     vector<int> carrierOfBody;     // (bodies) number in carryNodes of a body that is centred on its knot, or -1
     vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
     bool anyCoupled = false;
-    bool loaded = true; // forces may stand in model->external
+    bool loaded = false; // forces may stand in model->external
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
     bool pairsChecked = false, partnersChecked = false;
     long checkedIter = -1;
     Real checkedStep = 0;
-    int elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1, pressIx = -1;
+    int lostIx = -1, elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1,
+        pressIx = -1;
 
     Scene& theScene() const;
     ancf_model* theModel() const { return model.get(); }
@@ -47,9 +55,11 @@ class CableEngine : public GlobalEngine {
     int carrierOf(Body::id_t id) const { return carrierOfBody[id]; }
     void setCarryReaction(size_t i, const Vector3r& touched);
     void checkNode(int node, const char* what) const;
+    void checkRange(const char* what, int first, int n, int all) const;
     void checkUnclaimed(int node) const;
     void changed();
     void makeModel();
+    void makeImplicit();
     void mapBodies();
     void checkPairs() const;
     void checkScene() const;
@@ -62,6 +72,9 @@ class CableEngine : public GlobalEngine {
     void holdNodes();
     void gatherForces();
     void scatter();
+    void startAfresh();
+    void stepExplicit(int inside);
+    void stepImplicit();
     void noteEnergy(const ancf_time& time);
     void trackEnergy();
 
@@ -74,12 +87,12 @@ public:
     void postSave(CableEngine&);
     void postLoad(CableEngine&);
 
-    py::tuple add(const vector<Vector3r>& nodes, const vector<Vector3r>& slopes, const vector<int>& newEnds,
-                  const vector<int>& newNext, int newKind, const vector<Real>& newLength, Real newEa, Real newEi,
+    py::tuple add(const py::object& newNodes, const py::object& newSlopes, const py::object& newEnds,
+                  const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
                   Real newRhoA, Real newDamping);
-    void cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const vector<int>& runs,
-               const vector<Real>& arcs, const vector<Real>& closedRuns);
-    void addBodies(int first, const vector<Body::id_t>& ids);
+    void cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const py::object& newRun,
+               const py::object& newArc, const py::object& newClosed);
+    vector<Body::id_t> addBodies(int first, const shared_ptr<Material>& material, int mask);
     void fix(int node);
     void clamp(int element, int end);
     void follow(int node, Body::id_t id);
@@ -88,6 +101,9 @@ public:
     void tie(int node, int other);
     void release(int node);
     int tied(int node) const;
+    vector<int> elementsAt(int node) const;
+    py::object state(int firstNode, int nodes, int firstElement, int elements) const;
+    void setVelocities(int firstNode, const py::object& ofNodes, int firstElement, const py::object& ofSlopes);
     Vector3r point(int element, Real xi);
     Vector3r pointVelocity(int element, Real xi);
     Real tension(int element, Real xi);
@@ -98,6 +114,7 @@ public:
     Real criticalTimeStep();
     void relax(Real tolerance, int iterations);
     void check();
+    void checkIntegrator();
     py::list overlaps(Real part);
     void build();
     int getStride() const { return ancf_stride(nNodes, nElements()); }
@@ -109,12 +126,17 @@ public:
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(CableEngine, GlobalEngine,
         "Moves cables and nets of ANCF elements or springs, solves their contacts, and carries bodies with their knots. "
         "Between InteractionLoop and NewtonIntegrator. Filled by the Python classes Cable and Net of the package ancf.",
-        ((string, integrator, "leapfrog", , "'leapfrog', or 'rk4' (a reference: four force evaluations; knows no contact)."))
+        ((string, integrator, "leapfrog", Attr::triggerPostLoad, "'leapfrog'; 'implicit' (generalised-alpha, steps as long as accuracy allows; knows no contact, nor bodies off their centre) or 'rk4' (a reference: four force evaluations; knows neither)."))
+        ((Real, spectralRadius, .9, Attr::triggerPostLoad, "Of implicit steps: factor by which a step damps motions that it cannot resolve, 0 to 1 (nothing is lost)."))
         ((int, substeps, 0, , "Steps of the cable inside one O.dt, contacts acting in each; 0: as many as it needs."))
         ((int, family, 0, , "Number of this engine, unique in the scene."))
         ((int, nNodes, 0, Attr::readonly, "Number of nodes."))
         ((vector<Real>, position, , , "Positions of nodes [m] and slopes [-]: blocks x, y, z of `stride`, in each the nodes, the slopes at the starts of all elements, those at the ends."))
-        ((vector<Real>, velocity, , , "Their rates at the last half step, in the same order [m/s, 1/s]."))
+        ((vector<Real>, velocity, , , "Their rates at the last half step, with implicit steps at the time of the positions, in the same order [m/s, 1/s]."))
+        ((vector<Real>, acceleration, , Attr::readonly, "What implicit steps carry along besides: accelerations, in the same order; empty with other integrators [m/s², 1/s²]."))
+        ((int, rejectedSteps, 0, Attr::readonly, "Implicit steps, and parts of them, that did not converge and were taken again in halves, since the engine was made ready."))
+        ((int, newtonIterations, 0, Attr::readonly, "Newton's iterations in the last implicit step."))
+        ((int, stepParts, 0, Attr::readonly, "In how many parts the last implicit step was taken."))
         ((vector<int>, ends, , Attr::readonly, "Start and end node of every element."))
         ((vector<int>, next, , Attr::readonly, "Element into which an element goes on smoothly, or -1."))
         ((vector<int>, kind, , Attr::triggerPostLoad, "Kind of every element: 1 spring, 2 lumped mass, 4 reduced axial rule, 8 exact curvature, added up."))
@@ -153,7 +175,8 @@ public:
         ((int, contactSteps, 0, Attr::readonly, "Sub-steps in the last step of those contacts that needed most; 0: nothing could touch."))
         ((int, sweeps, 0, Attr::readonly, "Sweeps and Newton's steps over the friction of the last step, where most were needed."))
         ((Real, normalLeft, 0, Attr::readonly, "What normal forces are off by in the last step, as part of the largest among contacts that feel one another [-]; above 0.1 the run stops."))
-        ((Real, frictionLeft, 0, Attr::readonly, "What friction is off by at the end of the last step, as part of the largest friction force among contacts that feel one another [-]: by their coefficients, where these fall with the speed; above 1 the run stops."))
+        ((Real, frictionLeft, 0, Attr::readonly, "What friction is off by at the end of the last step, as part of the largest friction force among contacts that feel one another [-]: by their coefficients, where these fall with the speed."))
+        ((int, frictionUnsolved, 0, Attr::readonly, "Steps so far in which that was more than 0.1."))
         ((Vector3r, twistLeft, Vector3r::Zero(), Attr::readonly, "Moment of friction between cables that are nearly parallel, summed up over time: it would twist them, and a cable has no torsion to take it [N m s]."))
         ((Real, maxPenetration, 0, Attr::readonly, "Deepest penetration of a place so far [m]."))
         ((vector<int>, crossPairs, , Attr::hidden, "Contacts between cables that the next step remembers: element, element, segment."))
@@ -166,10 +189,10 @@ public:
         .add_property("coupled", &CableEngine::coupled, "Carries a body off its centre or on a guide, which allows no sub-steps.")
         .add_property("asleep", &CableEngine::asleep, "Elements whose bodies are far from everything: nothing is computed for their contact.")
         .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping")),
-             "Adds a cable: nodes (n Vector3 [m]), slopes (2 e Vector3), ends (2 e node numbers) and next (e) counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
+             "Adds a cable of n nodes and e elements: numpy arrays nodes (n, 3) [m], slopes (2 e, 3), start and end of each element, ends (e, 2) and next (e), int32, counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
         .def("cover", &CableEngine::cover, (py::arg("first"), py::arg("radius"), py::arg("segments"), py::arg("points"), py::arg("selfContact"), py::arg("run"), py::arg("arc"), py::arg("closed")),
-             "Tells of the elements from `first` on, a cable or net added last, what they show to the outside: run (numbers counted from 0), arc [m] and closed [m] have one value each. ValueError on bad values.")
-        .def("addBodies", &CableEngine::addBodies, (py::arg("first"), py::arg("ids")), "Bodies of the elements from `first` on, of shape CableElement.")
+             "Tells of the elements from `first` on, a cable or net added last, what they show to the outside: run (int32, counted from 0), arc [m] and closed [m] are numpy arrays with a value each. ValueError on bad values.")
+        .def("addBodies", &CableEngine::addBodies, (py::arg("first"), py::arg("material"), py::arg("mask")), "Puts a body into the scene for each element from `first` on. Returns their ids.")
         .def("fix", &CableEngine::fix, (py::arg("node")), "Holds a node in place.")
         .def("clamp", &CableEngine::clamp, (py::arg("element"), py::arg("end")), "Holds the slope at an element's start (0) or end (1).")
         .def("follow", &CableEngine::follow, (py::arg("node"), py::arg("id")), "Keeps a node at its place in a body's frame.")
@@ -178,6 +201,11 @@ public:
         .def("tie", &CableEngine::tie, (py::arg("node"), py::arg("other")), "Makes two nodes one, the first.")
         .def("release", &CableEngine::release, (py::arg("node")), "Frees a node from fix, follow and load.")
         .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
+        .def("elementsAt", &CableEngine::elementsAt, (py::arg("node")), "Elements that meet at a node.")
+        .def("state", &CableEngine::state, (py::arg("firstNode"), py::arg("nodes"), py::arg("firstElement"), py::arg("elements")),
+             "So many nodes from one on, each where the one is that stands for it [m], and the slopes of so many elements, start and end of each [-]: 3 numbers each, for numpy.frombuffer.")
+        .def("setVelocities", &CableEngine::setVelocities, (py::arg("firstNode"), py::arg("nodes"), py::arg("firstElement"), py::arg("slopes")),
+             "Sets velocities of nodes from one on [m/s] and rates of slopes from those of an element on, start and end of each [1/s]: numpy arrays (n, 3) and (2 e, 3).")
         .def("point", &CableEngine::point, (py::arg("element"), py::arg("xi")), "Position [m].")
         .def("pointVelocity", &CableEngine::pointVelocity, (py::arg("element"), py::arg("xi")), "Velocity [m/s].")
         .def("tension", &CableEngine::tension, (py::arg("element"), py::arg("xi")), "Tension EA eps |r'|, damping included [N].")
@@ -188,6 +216,7 @@ public:
         .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cables at their strain now, at least 0.1, whether they touch or not [s].")
         .def("relax", &CableEngine::relax, (py::arg("tolerance"), py::arg("iterations")), "Moves the cables to static equilibrium, on what they lie on, without friction; RuntimeError if there is none, or a body that they press on may move.")
         .def("check", &CableEngine::check, "Refuses what cables may meet and cannot compute: cables of other engines, bodies of other shapes, without size, elastic constants, or a mass to move with. RuntimeError that names the body. Done by ancf.check().")
+        .def("checkIntegrator", &CableEngine::checkIntegrator, "ValueError for what implicit steps cannot carry, if they are chosen: contact, and bodies off their centre. Done by ancf.engines() and at the first step.")
         .def("overlaps", &CableEngine::overlaps, (py::arg("part")), "What cables, and spheres that knots carry, overlap now by more than a part of the smaller radius: tuples of an element or carried sphere, a body, the place [m], the depth and the smaller radius [m].")
         .def("build", &CableEngine::build, "Checks everything and gets ready; done by itself at the first step.")
     )

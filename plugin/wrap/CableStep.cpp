@@ -50,6 +50,15 @@ void CableEngine::makeModel() {
     model.reset(made);
 }
 
+void CableEngine::makeImplicit() {
+    implicit.reset();
+    if (integrator != "implicit") return;
+    ancf_implicit* made = nullptr;
+    if (const ancf_error error = ancf_implicit_create(&made, model.get(), spectralRadius))
+        refuse(ancf_error_text(error));
+    implicit.reset(made);
+}
+
 // Which bodies are carried at their centres.
 void CableEngine::mapBodies() {
     const Scene& s = theScene();
@@ -75,8 +84,9 @@ void CableEngine::build() {
     checkBodies();
     touching.reset();
     makeModel();
-    loaded = true;
-    mapBodies();
+    loaded = false;
+    checkIntegrator();
+    makeImplicit();
     if (anyCoupled && substeps > 1)
         refuse(text("substeps = ", substeps,
                     ": a body is carried off its centre or guided, which needs substeps = 1 or 0"));
@@ -116,6 +126,7 @@ void CableEngine::gatherForces() {
     const bool forces = anyForces(*scene);
     if (loaded) std::fill_n(model->external, position.size(), 0);
     loaded = !loadNodes.empty() || forces;
+    model->unloaded = !loaded;
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
     if (!forces) {
         std::fill(carriedForce.begin(), carriedForce.end(), Vector3r::Zero());
@@ -141,7 +152,7 @@ void CableEngine::scatter() {
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         if (carrierOf(carryIds[i]) < 0) continue;
         State& state = *(*scene->bodies)[carryIds[i]]->state;
-        state.vel = nodeOf(model->v, model->stride, carryNodes[i]);
+        state.vel = nodeOf(implicit ? model->free : model->v, model->stride, carryNodes[i]); // the mean of the step
         state.pos = nodeOf(model->x, model->stride, carryNodes[i]) - scene->dt * state.vel;
     }
 }
@@ -151,7 +162,10 @@ void CableEngine::getReady() {
     try {
         if (pairsChecked) {
             checkBodies();
-            if (known != scene->bodies->size()) CableCheck(*this).partners(static_cast<Body::id_t>(known));
+            if (known != scene->bodies->size()) {
+                CableCheck(*this).partners(static_cast<Body::id_t>(known));
+                checkIntegrator();
+            }
         } else {
             build(); // engines that drive bodies may have come since
             checkPairs();
@@ -161,11 +175,66 @@ void CableEngine::getReady() {
         throw;
     }
     pairsChecked = true;
-    if (known != scene->bodies->size()) mapBodies();
+}
+
+// Steps of the cable inside this one, and what touches in them.
+void CableEngine::stepExplicit(int inside) {
+    const bool alone = !touching.begin(*this, inside) && !scene->trackEnergy && integrator == "leapfrog";
+    Real dampedBefore = 0; // the positions that the step starts from
+    for (int k = 0; k < inside; ++k) {
+        const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
+        if (!alone) ancf_predict(model.get(), &time);
+        if (k == 0 && scene->trackEnergy) noteEnergy(time);
+        if (k == 0 && !alone) touching.gather(*this);
+        touching.solve(*this, time, k, inside);
+        if (integrator == "rk4") {
+            if (touching.displacement())
+                refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
+            ancf_rk4(model.get(), time.step);
+        } else if (alone) {
+            ancf_advance(model.get(), &time);
+        } else {
+            ancf_correct(model.get(), &time, touching.newVelocity(), touching.displacement());
+        }
+        if (k == 0) dampedBefore = model->damping_half;
+        if (k == inside - 1) touching.give(*this, time);
+        lastStep = time.step;
+    }
+    model->damping_half = dampedBefore;
+    scatter();
+    touching.look(*this);
+}
+
+// Nothing touches in it.
+void CableEngine::stepImplicit() {
+    const ancf_time time {scene->dt, lastStep};
+    if (scene->trackEnergy) noteEnergy(time);
+    const ancf_error error =
+        ancf_implicit_step(implicit.get(), model.get(), acceleration.data(), &time, std::max(1, substeps));
+    rejectedSteps = static_cast<int>(implicit->rejected);
+    newtonIterations = implicit->iterations;
+    stepParts = implicit->parts;
+    if (error)
+        refuse(text("at iteration ", scene->iter, " the implicit step O.dt = ", scene->dt,
+                    " s does not converge, not in ", stepParts, " parts either (element ", implicit->element,
+                    "): a force is not finite, or something moves too fast; look there, use a shorter O.dt or damping, "
+                    "or integrator = 'leapfrog'"));
+    lastStep = scene->dt;
+    for (size_t i = 0; i < carryNodes.size(); ++i) setCarryReaction(i, Vector3r::Zero());
+    scatter();
+}
+
+// Velocities of implicit steps are those of the positions: leapfrog starts from them with half a kick.
+void CableEngine::startAfresh() {
+    const bool known = acceleration.size() == position.size();
+    if (known == (integrator == "implicit")) return;
+    acceleration.assign(known ? 0 : position.size(), 0);
+    lastStep = 0;
 }
 
 void CableEngine::action() {
     getReady();
+    startAfresh();
     model->x = position.data();
     model->v = velocity.data();
     model->track = scene->trackEnergy;
@@ -177,27 +246,8 @@ void CableEngine::action() {
     eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });
     holdNodes();
     gatherForces();
-    Real dampedBefore = 0; // the positions that the step starts from
-    for (int k = 0; k < inside; ++k) {
-        const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
-        ancf_predict(model.get(), &time);
-        if (k == 0 && scene->trackEnergy) noteEnergy(time);
-        if (k == 0) touching.gather(*this, inside);
-        touching.solve(*this, time, k, inside);
-        if (integrator == "rk4") {
-            if (touching.displacement())
-                refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
-            ancf_rk4(model.get(), time.step);
-        } else {
-            ancf_correct(model.get(), &time, touching.newVelocity(), touching.displacement());
-        }
-        if (k == 0) dampedBefore = model->damping_half;
-        if (k == inside - 1) touching.give(*this, time);
-        lastStep = time.step;
-    }
-    model->damping_half = dampedBefore;
-    scatter();
-    touching.look(*this);
+    if (implicit) stepImplicit();
+    else stepExplicit(inside);
     if (scene->trackEnergy) trackEnergy();
 }
 

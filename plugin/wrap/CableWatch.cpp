@@ -41,8 +41,10 @@ void CableEngine::checkPairs() const {
 void CableEngine::checkScene() const {
     const Scene& s = theScene();
     if (s.isPeriodic) refuse("a periodic cell is not supported: set O.periodic = False");
-    if (integrator != "leapfrog" && integrator != "rk4")
-        refuse(text("integrator = '", integrator, "': must be 'leapfrog' or 'rk4'"));
+    if (integrator != "leapfrog" && integrator != "rk4" && integrator != "implicit")
+        refuse(text("integrator = '", integrator, "': must be 'leapfrog', 'implicit' or 'rk4'"));
+    if (!(spectralRadius >= 0 && spectralRadius <= 1))
+        refuse(text("spectralRadius = ", spectralRadius, ": must be from 0 to 1"));
     if (substeps < 0) refuse(text("substeps = ", substeps, ": must be 0 (automatic) or more"));
     bool seen = false, moved = false;
     for (const auto& engine : s.engines) {
@@ -58,12 +60,12 @@ void CableEngine::checkScene() const {
 
 void CableEngine::checkBodies() const {
     const Scene& s = theScene();
-    const BodyContainer& bodies = *s.bodies;
-    const auto size = static_cast<Body::id_t>(bodies.size());
-    for (int e = 0; e < static_cast<int>(elementIds.size()); ++e) {
-        const Body::id_t id = elementIds[e];
-        if (id >= 0 && (id >= size || !bodies[id])) elementBody(e); // refuses
-    }
+    const auto size = static_cast<Body::id_t>(s.bodies->size());
+    const shared_ptr<Body>* bodies = size > 0 ? &(*s.bodies)[0] : nullptr; // one call, not one each
+    bool all = true;
+    for (const Body::id_t id : elementIds) all = all && (id < 0 || (id < size && bodies[id]));
+    for (int e = 0; e < static_cast<int>(elementIds.size()) && !all; ++e)
+        if (elementIds[e] >= 0) elementBody(e); // refuses one that is gone
     for (size_t i = 0; i < carryIds.size(); ++i)
         if (!s.bodies->exists(carryIds[i]))
             refuse(text("body ", carryIds[i], ", which node ", carryNodes[i],
@@ -79,6 +81,11 @@ void CableEngine::checkPartners() {
     if (partnersChecked) return;
     CableCheck(*this).partners(0);
     partnersChecked = true;
+}
+
+void CableEngine::checkIntegrator() {
+    mapBodies();
+    if (integrator == "implicit") CableCheck(*this).implicit();
 }
 
 void CableEngine::check() {
@@ -101,7 +108,7 @@ py::list CableEngine::overlaps(Real part) {
 
 // Steps of the cable in this O.dt.
 int CableEngine::stepsInside() {
-    if (integrator == "rk4") return 1;
+    if (integrator != "leapfrog") return 1;
     if (substeps > 0 || coupled()) return std::max(1, substeps);
     return std::max(1, static_cast<int>(std::ceil(theScene().dt / substepLimit)));
 }

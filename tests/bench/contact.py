@@ -13,9 +13,7 @@ import csv
 import datetime
 import json
 import os
-import pathlib
 import platform
-import re
 import statistics
 import subprocess
 import sys
@@ -27,6 +25,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np  # noqa: E402
 
 import ancf  # noqa: E402
+from machine import code, machine  # noqa: E402
 from yade import O, Vector3, config, timing, utils, wrapper  # noqa: E402
 
 # ---- parameters, SI units ----------------------------------------------------------------------
@@ -530,33 +529,6 @@ def measure(name, args):
         for what in times:
             times[what].append(a[what] / b[what])
     yield f"{name} / MuJoCo", [[what, statistics.median(r), "-"] for what, r in times.items()]
-
-
-def machine():
-    """Model, vector units and cores of this machine."""
-    try:
-        info = pathlib.Path("/proc/cpuinfo").read_text()
-    except OSError:
-        info = ""
-    fields = dict(re.findall(r"^(model name|cpu family|model|flags)\s*: (.*)$", info, re.M))
-    flags = fields.get("flags", "").split()
-    units = [shown for flag, shown in (("avx2", "AVX2"), ("avx512f", "AVX-512")) if flag in flags]
-    family = f"family {fields.get('cpu family', '?')} model {fields.get('model', '?')}"
-    name = f"{fields.get('model name', 'unknown')} ({family})"
-    return f"{name}, {' '.join(units) or 'no AVX2'}, {os.cpu_count()} cores"
-
-
-def code():
-    """Commit of the tree in which the measured build lies, with + where it was changed since."""
-    folder = pathlib.Path(ancf.__file__).resolve().parent
-
-    def git(*words):
-        done = subprocess.run(["git", "-C", folder, *words], capture_output=True, text=True)
-        return done.stdout.strip() if done.returncode == 0 else ""
-
-    return (git("rev-parse", "--short", "HEAD") or "unknown") + (
-        "+" if git("status", "--porcelain") else ""
-    )
 
 
 def options():

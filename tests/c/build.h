@@ -188,8 +188,7 @@ static inline void own_momentum(double P[3], double H[3], double terms[2], const
 static inline void run_leapfrog(ancf_model* m, double h, int steps, ancf_time* time) {
     time->step = h;
     for (int i = 0; i < steps; ++i) {
-        ancf_predict(m, time);
-        ancf_correct(m, time, m->free, NULL);
+        ancf_advance(m, time);
         time->last = h;
     }
 }

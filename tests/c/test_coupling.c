@@ -1,6 +1,8 @@
 // Knots that go on together with points of bodies, against conserved quantities and a dense solve written here.
 #include "touch.h"
 
+#include <time.h>
+
 enum { BODIES = 3, COUPLINGS = 6 };
 
 typedef enum { ONE, LIGHT, HEAVY, MANY, GUIDED, STANDING, MIXED, SCENES } kind;
@@ -281,6 +283,106 @@ static void contacts_keep_couplings(void** state) {
     }
 }
 
+// Bodies off their centres on so many knots of a square net; each step begins as the first.
+typedef struct {
+    built b;
+    int n;
+    double time; // of all steps in the solver [s]
+    ancf_table* t;
+    solid* solid;
+    double *before, *shift;
+} full_net;
+
+static full_net full_make(int meshes, int bodies, int mass, uint64_t* seed) {
+    full_net f = {.b = build_net(meshes, (ancf_element) {.kind = mass, .length = 0.3, .ea = 1.0, .rho_a = 0.05})};
+    build_shake(&f.b, f.b.v, 1.0, seed);
+    build_finish(&f.b);
+    f.n = bodies;
+    f.solid = calloc((size_t)f.n, sizeof *f.solid);
+    f.before = velocity_before(&f.b);
+    f.shift = f.before + 3 * f.b.stride;
+    for (int i = 0; i < f.n; ++i) {
+        const double size = random_magnitude(seed, 1e-2, 1.0);
+        f.solid[i] = random_solid(seed, size, 1e-3 * size);
+        ancf_body* body = &f.solid[i].body;
+        random_vector(body->velocity, seed, 1.0);
+        random_vector(body->spin, seed, 5.0);
+        random_vector(body->position, seed, 0.05);
+        for (int c = 0; c < 3; ++c) body->position[c] += f.b.x[c * f.b.stride + i];
+    }
+    assert_int_equal(ancf_table_create(&f.t, f.b.m), ANCF_OK);
+    return f;
+}
+
+static void full_step(full_net* f) {
+    memcpy(f->b.v, f->before, 3 * (size_t)f->b.stride * sizeof *f->b.v);
+    memset(f->shift, 0, 3 * (size_t)f->b.stride * sizeof *f->shift);
+    ancf_table_clear(f->t);
+    for (int i = 0; i < f->n; ++i) {
+        ancf_coupling c = {.body = ancf_table_add_body(f->t, &f->solid[i].body),
+                           .place = ancf_table_add_knot(f->t, f->b.m, i)};
+        for (int k = 0; k < 3; ++k) c.arm[k] = f->b.x[k * f->b.stride + i] - f->solid[i].body.position[k];
+        ancf_table_add_coupling(f->t, &c);
+    }
+    const clock_t start = clock();
+    assert_int_equal(ancf_table_prepare(f->t, f->b.m, f->b.v), ANCF_OK);
+    ancf_table_couple(f->t, 1e-4);
+    ancf_table_apply(f->t, f->b.m, 1e-4, f->b.v, f->shift);
+    f->time += (double)(clock() - start) / CLOCKS_PER_SEC;
+}
+
+static void full_free(full_net* f) {
+    ancf_table_destroy(f->t);
+    free(f->solid);
+    free(f->before);
+    build_free(&f->b);
+}
+
+// Shortest CPU time of 20 steps, in several [s].
+static double time_of_full(int meshes, int bodies, int mass, uint64_t* seed) {
+    full_net f = full_make(meshes, bodies, mass, seed);
+    double least = INFINITY;
+    full_step(&f); // makes the responses
+    for (int run = 0; run < 10; ++run) {
+        f.time = 0.0;
+        for (int i = 0; i < 20; ++i) full_step(&f);
+        least = fmin(least, f.time);
+    }
+    full_free(&f);
+    return least;
+}
+
+static void many_couplings_hold(void** state) {
+    (void)state;
+    uint64_t seed = 77;
+    for (int mass = 0; mass <= ANCF_LUMPED; mass += ANCF_LUMPED) {
+        full_net f = full_make(12, 169, mass, &seed);
+        double P0[3], H0[3], P[3], H[3], terms[2], worst = 0.0;
+        own_momentum(P0, H0, terms, &f.b);
+        for (int i = 0; i < f.n; ++i) add_momentum(P0, H0, terms, &f.solid[i], &f.solid[i].body);
+        full_step(&f);
+        own_momentum(P, H, terms, &f.b);
+        for (int i = 0; i < f.n; ++i) {
+            double v[3];
+            add_momentum(P, H, terms, &f.solid[i], ancf_table_body(f.t, i));
+            body_point_velocity(v, ancf_table_body(f.t, i), ancf_table_coupling(f.t, i)->arm);
+            for (int c = 0; c < 3; ++c) worst = fmax(worst, fabs(v[c] - f.b.v[c * f.b.stride + i]));
+        }
+        assert_true(worst < 1e-12);
+        for (int i = 0; i < 3; ++i) {
+            assert_near(P[i], P0[i], 1e-13 * terms[0]);
+            assert_near(H[i], H0[i], 1e-13 * terms[1]);
+        }
+        full_free(&f);
+        const double many = time_of_full(12, 169, mass, &seed) / time_of_full(5, 36, mass, &seed),
+                     few = time_of_full(50, 4, mass, &seed) / time_of_full(10, 4, mass, &seed);
+        print_message("169 couplings take %.1f times as long as 36; 4 in a net of 50 x 50 %.1f of those in 10 x 10\n",
+                      many, few);
+        assert_true(many < 8.0); // 4.7 times as many
+        assert_true(few < 4.0);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(couplings_hold),
@@ -288,6 +390,7 @@ int main(void) {
         cmocka_unit_test(impulses_are_those_of_a_dense_solve),
         cmocka_unit_test(coupling_gives_no_energy),
         cmocka_unit_test(contacts_keep_couplings),
+        cmocka_unit_test(many_couplings_hold),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

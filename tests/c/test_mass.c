@@ -3,6 +3,7 @@
 
 #include "ancf/equilibrium.h"
 #include "ancf/response.h"
+#include <time.h>
 
 static const int kinds[] = {0, ANCF_LUMPED, ANCF_SPRING};
 
@@ -256,12 +257,96 @@ static void response_is_a_column_of_the_inverse(void** state) {
                 free(all);
             }
         }
-        for (int i = 0; i < 6 * 3 * b.stride; ++i) assert_true(b.m->work[i] == 0.0);
         ancf_responses_destroy(responses);
         free(rhs);
         free(a);
         dense_free(&d);
         build_free(&b);
+    }
+}
+
+// M times the response to a unit impulse sums up to it, with light knots beside heavy bodies, short elements beside
+// long ones: much of the momentum is in what hardly moves.
+static void response_takes_the_impulse(void** state) {
+    (void)state;
+    uint64_t seed = 25;
+    double worst = 0.0;
+    for (int run = 0; run < 12; ++run) {
+        const ancf_element all = {.length = run % 2 ? 0.01 : 30.0, .ea = 5.0, .rho_a = 1e-3};
+        built b = run % 3 ? build_net(14, all) : build_cable(300, all, 1);
+        for (int e = 0; e < b.def.n_elements; ++e) {
+            b.element[e].length *= random_between(&seed, 0.5, 1.5);
+            if (run >= 6 && e % 5 == 0) b.element[e].kind = ANCF_LUMPED;
+        }
+        const double lightest = 1e-3 * b.element[0].length;
+        for (int i = 0; i < b.def.n_nodes; ++i)
+            if (random_unit(&seed) < 0.2) b.mass[i] = lightest * random_magnitude(&seed, 1.0, 1e4);
+        build_finish(&b);
+        double(*force)[4] = calloc((size_t)b.n_dof, sizeof *force),
+        (*answer)[4] = calloc((size_t)b.n_dof, sizeof *answer);
+        ancf_responses* responses;
+        assert_int_equal(ancf_responses_create(&responses, b.m), ANCF_OK);
+        for (int touch = 0; touch < 10; ++touch) {
+            const int element = (int)(random_unit(&seed) * b.def.n_elements);
+            const ancf_response* response = ancf_responses_of(responses, b.m, element);
+            int of[4];
+            ancf_model_dofs(of, b.m, element);
+            memset(force, 0, (size_t)b.n_dof * sizeof *force);
+            memset(answer, 0, (size_t)b.n_dof * sizeof *answer);
+            for (int i = 0; i < response->n; ++i) memcpy(answer[response->dof[i]], response->column[i], sizeof *answer);
+            for (int e = 0; e < b.def.n_elements; ++e) {
+                double M[4][4];
+                int dof[4];
+                own_mass(M, &b.element[e]);
+                ancf_model_dofs(dof, b.m, e);
+                for (int i = 0; i < 4; ++i)
+                    for (int j = 0; j < 4; ++j)
+                        for (int k = 0; k < 4; ++k) force[dof[i]][k] += M[i][j] * answer[dof[j]][k];
+            }
+            for (int place = 0; place <= 4; ++place) {
+                double S[4], sum = -1.0;
+                ancf_shape(S, 0.25 * place, b.element[element].length);
+                for (int i = 0; i < b.def.n_nodes; ++i)
+                    for (int k = 0; k < 4; ++k) sum += S[k] * (force[i][k] + b.mass[i] * answer[i][k]);
+                worst = fmax(worst, fabs(sum));
+            }
+        }
+        ancf_responses_destroy(responses);
+        free(force);
+        free(answer);
+        build_free(&b);
+    }
+    print_message("momentum off by %.2g of the impulse\n", worst);
+    assert_true(worst < 1e-12);
+}
+
+// Shortest CPU time of several runs for the responses of 16 elements [s].
+static double time_of_responses(built b) {
+    double least = INFINITY;
+    build_finish(&b);
+    for (int run = 0; run < 5; ++run) {
+        ancf_responses* responses;
+        assert_int_equal(ancf_responses_create(&responses, b.m), ANCF_OK);
+        const clock_t start = clock();
+        for (int i = 0; i < 16; ++i)
+            assert_non_null(ancf_responses_of(responses, b.m, (2 * i + 1) * (b.def.n_elements / 32)));
+        least = fmin(least, (double)(clock() - start) / CLOCKS_PER_SEC);
+        ancf_responses_destroy(responses);
+    }
+    build_free(&b);
+    return least;
+}
+
+static void responses_do_not_cost_the_whole_model(void** state) {
+    (void)state;
+    for (int kind = 0; kind <= ANCF_LUMPED; kind += ANCF_LUMPED) {
+        const ancf_element all = {.kind = kind, .length = 1.0, .ea = 5.0, .rho_a = 0.2};
+        const double net = time_of_responses(build_net(80, all)) / time_of_responses(build_net(20, all)),
+                     cable =
+                         time_of_responses(build_cable(64000, all, 1)) / time_of_responses(build_cable(1000, all, 1));
+        print_message("16 times the net: %.1f times the time; 64 times the cable: %.1f\n", net, cable);
+        assert_true(net < 8.0);
+        assert_true(cable < 16.0);
     }
 }
 
@@ -331,6 +416,8 @@ int main(void) {
         cmocka_unit_test(gravity_is_consistent),
         cmocka_unit_test(lumped_cable_sags_as_the_exact_one),
         cmocka_unit_test(response_is_a_column_of_the_inverse),
+        cmocka_unit_test(response_takes_the_impulse),
+        cmocka_unit_test(responses_do_not_cost_the_whole_model),
         cmocka_unit_test(bad_models_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

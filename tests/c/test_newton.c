@@ -122,7 +122,7 @@ static void friction_belongs_to_the_slip(void** state) {
         }
     }
     printf("%d steps at most, %d stick, %d slide\n", most, stuck, slid);
-    assert_true(most < 30 && stuck > 1000 && slid > 1000);
+    assert_true(most < MOST && stuck > 1000 && slid > 1000);
 }
 
 // Contacts at one and the same place are one that is pressed by all: sweeps contact by contact would take ages.

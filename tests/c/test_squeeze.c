@@ -44,8 +44,8 @@ typedef struct {
     int substeps;
 } met;
 
-// A place on a free cable that a body meets, with `n` contacts there that share a stiffness unevenly, in so many sub-steps,
-// 0: as they ask for.
+// A place on a free cable that a body meets, with `n` contacts there that share a stiffness unevenly, in so many
+// sub-steps, 0: as they ask for.
 static met meet(const ancf_normal* law, int n, double speed, double gap, double inv_mass, int substeps) {
     const ancf_element all = {.length = 0.6, .ea = 1.0, .rho_a = 0.02};
     built b = build_cable(3, all, 1);

@@ -2,6 +2,7 @@
 #include "build.h"
 
 #include "ancf/equilibrium.h"
+#include "settle.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -147,6 +148,159 @@ static void tip_moment_makes_an_arc(void** state) {
     build_free(&b);
 }
 
+// Tip of an inextensible cantilever under a dead load across, EI theta'' = -P cos(theta), by shooting with RK4: (along,
+// across) over its length for P L2/EI.
+static void elastica(double tip[2], double load) {
+    double low = 0.0, high = 10.0;
+    for (int round = 0; round < 200; ++round) {
+        const int n = 4000;
+        const double root = 0.5 * (low + high), h = 1.0 / n; // curvature at the clamp; none at the tip
+        double y[4] = {0.0, root, 0.0, 0.0};                 // angle, curvature, along, across
+        for (int i = 0; i < n; ++i) {
+            double sum[4] = {0.0}, rate[4] = {0.0};
+            for (int k = 0; k < 4; ++k) {
+                const double at = k == 0 ? 0.0 : k == 3 ? 1.0 : 0.5, weight = k % 3 ? 2.0 : 1.0;
+                const double angle = y[0] + at * h * rate[0], bent = y[1] + at * h * rate[1];
+                rate[0] = bent;
+                rate[1] = -load * cos(angle);
+                rate[2] = cos(angle);
+                rate[3] = sin(angle);
+                for (int j = 0; j < 4; ++j) sum[j] += weight * h / 6.0 * rate[j];
+            }
+            for (int j = 0; j < 4; ++j) y[j] += sum[j];
+        }
+        if (y[1] > 0.0) high = root;
+        else low = root;
+        tip[0] = y[2];
+        tip[1] = y[3];
+    }
+}
+
+// A steel strip that its tip load bends far, in 32 elements: by Newton's method, to 1e-9.
+static void strip_of_many_elements(void** state) {
+    (void)state;
+    const int n = 32;
+    const double L = 0.508, E = 7.17e10, height = 12.7e-3, thick = 3.19e-3, ei = E * height * pow(thick, 3.0) / 12.0;
+    for (int k = 1; k <= 3; ++k) {
+        const double load = 6.0 * k;
+        const ancf_element all = {.kind = ANCF_CURVATURE_EXACT | ANCF_AXIAL_REDUCED,
+                                  .length = L,
+                                  .ea = E * height * thick,
+                                  .ei = ei,
+                                  .rho_a = 0.11};
+        built b = build_cable(n, all, 1);
+        b.hold[0] = b.hold[n + 1] = ANCF_HELD;
+        build_finish(&b);
+        b.m->external[2 * b.stride + n] = load;
+        double tip[2];
+        elastica(tip, load * L * L / ei);
+        assert_true(ancf_settle(b.m, 1e-9, NULL));
+        const double allowed = L * (load / all.ea + 1e-6); // the strip stretches, and has finite elements
+        assert_near(b.x[n], L * tip[0], allowed);
+        assert_near(b.x[2 * b.stride + n], L * tip[1], allowed);
+        build_free(&b);
+    }
+}
+
+// 10 m of a cable that hardly stretches (EA = 2e7 N), hinged over 8 m: rounding of its positions alone makes forces of
+// 1e-7 N. What holds it carries half its weight.
+static void stiff_hanging_cable(void** state) {
+    (void)state;
+    const double L = 10.0, span = 8.0, weight = 1.2 * L * 9.81;
+    for (int n = 16; n <= 64; n *= 2) {
+        const ancf_element all = {.kind = ANCF_CURVATURE_EXACT, .length = L, .ea = 2e7, .ei = 20.0, .rho_a = 1.2};
+        built b = build_cable(n, all, 1);
+        for (int i = 0; i < b.n_dof; ++i) { // a parabola, half a metre too long
+            const int node = i <= n ? i : i <= 2 * n ? i - n - 1 : i - 2 * n;
+            const double s = (double)node / n, slope = -11.0 * (1.0 - 2.0 * s) / span, unit = sqrt(1.0 + slope * slope);
+            b.x[i] = i <= n ? span * s : 1.0 / unit;
+            b.x[2 * b.stride + i] = i <= n ? -11.0 * s * (1.0 - s) : slope / unit;
+        }
+        b.hold[0] = b.hold[n] = ANCF_HELD;
+        build_finish(&b);
+        b.m->gravity[2] = -9.81;
+        assert_true(ancf_settle(b.m, 1e-9, NULL));
+        double first[3], last[3];
+        ancf_reaction(first, b.m, 0);
+        ancf_reaction(last, b.m, n);
+        assert_close(first[2], 0.5 * weight, 1e-7);
+        assert_close(last[2], 0.5 * weight, 1e-7);
+        assert_close(first[0], -last[0], 1e-7);
+        const double H = catenary_pull(span, L, weight, 2e7), sag = catenary_sag(H, L, weight, 2e7);
+        assert_close(-b.x[2 * b.stride + n / 2], sag, 0.02); // as far as bending lets it
+        build_free(&b);
+    }
+}
+
+// A column clamped at its foot under more than Euler's load, K(p)^2 EI/L^2, leans over by alpha at its top, p =
+// sin(alpha/2): the top is 2 E/K - 1 up and 2 p/K aside (in its lengths; complete elliptic integrals). Straight up is
+// an equilibrium as well, but no minimum of the energy.
+static void buckled_column(void** state) {
+    (void)state;
+    const int n = 32;
+    const double L = 1.0, ei = 1.0, p = sin(40.0 * pi / 180.0);
+    double a = 1.0, b0 = sqrt(1.0 - p * p), c = p, power = 0.5, sum = 0.5 * p * p; // arithmetic-geometric mean
+    while (c > 1e-16) {
+        const double next = 0.5 * (a + b0);
+        c = 0.5 * (a - b0);
+        b0 = sqrt(a * b0);
+        a = next;
+        power *= 2.0;
+        sum += power * c * c;
+    }
+    const double K = 0.5 * pi / a, E = K * (1.0 - sum);
+    const ancf_element all = {
+        .kind = ANCF_CURVATURE_EXACT | ANCF_AXIAL_REDUCED, .length = L, .ea = 1e6, .ei = ei, .rho_a = 1.0};
+    built b = build_cable(n, all, 1);
+    b.hold[0] = b.hold[n + 1] = ANCF_HELD;
+    build_finish(&b);
+    b.x[b.stride + n] += 1e-3; // a little aside
+    b.m->external[n] = -K * K * ei / (L * L);
+    assert_true(ancf_settle(b.m, 1e-9, NULL));
+    assert_near(b.x[n], L * (2.0 * E / K - 1.0), 1e-4);
+    assert_near(b.x[b.stride + n], L * 2.0 * p / K, 1e-4);
+    build_free(&b);
+}
+
+// From a start that is crumpled at random, with elements pushed together, to a sagging cable that its ends carry.
+static void crumpled_start(void** state) {
+    (void)state;
+    const int n = 32;
+    for (int k = 0; k < 8; ++k) {
+        uint64_t seed = 119 + (uint64_t)k;
+        const ancf_element all = {.kind = k % 2 ? ANCF_CURVATURE_EXACT : ANCF_AXIAL_REDUCED,
+                                  .length = 10.0,
+                                  .ea = k < 4 ? 1e4 : 2e7,
+                                  .ei = 20.0,
+                                  .rho_a = 1.2};
+        built b = build_cable(n, all, 1);
+        for (int i = 0; i < b.n_dof; ++i) b.x[i] *= 0.8;
+        build_shake(&b, b.x, 0.5, &seed);
+        b.hold[0] = b.hold[n] = ANCF_HELD;
+        build_finish(&b);
+        b.m->gravity[2] = -9.81;
+        assert_true(ancf_settle(b.m, 1e-9, NULL));
+        double first[3], last[3];
+        ancf_reaction(first, b.m, 0);
+        ancf_reaction(last, b.m, n);
+        assert_close(first[2] + last[2], 1.2 * 10.0 * 9.81, 1e-7);
+        assert_true(b.x[2 * b.stride + n / 2] < -1.0);
+        build_free(&b);
+    }
+}
+
+// What is not held has no equilibrium, and stays as it was.
+static void nothing_to_settle(void** state) {
+    (void)state;
+    const ancf_element all = {.length = 1.0, .ea = 1e4, .ei = 0.1, .rho_a = 0.1};
+    built b = build_cable(4, all, 1);
+    build_finish(&b);
+    b.m->gravity[2] = -9.81;
+    assert_false(ancf_settle(b.m, 1e-9, NULL));
+    for (int i = 0; i < b.n_dof; ++i) assert_true(b.x[2 * b.stride + i] == 0.0);
+    build_free(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cantilever_near_the_reference),
@@ -154,6 +308,11 @@ int main(void) {
         cmocka_unit_test(hanging_weight),
         cmocka_unit_test(no_equilibrium_is_told),
         cmocka_unit_test(tip_moment_makes_an_arc),
+        cmocka_unit_test(strip_of_many_elements),
+        cmocka_unit_test(stiff_hanging_cable),
+        cmocka_unit_test(buckled_column),
+        cmocka_unit_test(crumpled_start),
+        cmocka_unit_test(nothing_to_settle),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -623,3 +623,22 @@ def test_masks_separate_cables(scene):
 
 def test_cables_without_contact_points_touch_nothing(scene):
     assert crossing(contactPoints=0) == pytest.approx(2e-3 - 2.0 * 3e-3, abs=1e-4)
+
+
+def test_friction_at_rest_needs_no_search(scene):
+    """Crossing cables that lie on each other and on a floor: friction of the step before is that of this one."""
+    material("cable", staticFriction=0.3, kineticFriction=0.2, impactDamping=0.2)
+    plane((0, 0, -0.01), (1, 1, 0.01), material="cable")
+    made = dict(elements=8, diameter=1e-3, material="cable", damping=1e-4)
+    across = [0.03 * i - 0.045 for i in range(4)]
+    low = [ancf.Cable([(-0.1, y, 0.0005), (0.1, y, 0.0005)], **made) for y in across]
+    high = [ancf.Cable([(x, -0.1, 0.0015), (x, 0.1, 0.0015)], **made) for x in across]
+    O.engines = ancf.engines(*low, *high, gravity=(0, 0, -9.81))
+    engine, sweeps = low[0].engine, []
+    steps(400)
+    for _ in range(400):
+        O.step()
+        sweeps.append(engine.sweeps)
+        assert engine.frictionLeft < 1e-7
+    assert engine.contacts > 16
+    assert np.mean(sweeps) < 3

@@ -120,6 +120,50 @@ def test_far_from_everything_is_as_before(scene):
         assert np.array_equal(other, found[0])
 
 
+# ---- taut and clamped cables, that touch nothing ---------------------------------------------------
+
+
+# A steel bar of 2 m and 0.1 x 0.1 m under 3 EI/L^2 at its end: (u, w) of REFERENCE's sources, a
+# Reissner beam by shooting, -0.508537304 and -1.207239855.
+def test_cantilever_of_many_elements(scene):
+    material("steel", young=2.07e11)
+    ei = 2.07e11 * 0.1**4 / 12
+    c = ancf.Cable(
+        [(0, 0, 0), (2, 0, 0)],
+        elements=40,
+        diameter=0.1,
+        area=0.01,
+        bending=ei,
+        material="steel",
+        axialRule="reduced",
+        curvature="exact",
+    )
+    c.append()
+    c.clamp(0)
+    c.load(-1, (0, 0, -3 * ei / 2**2))
+    relaxed(c, tolerance=1e-9, gravity=(0, 0, 0))
+    end = array(c.point(1)) - (2, 0, 0)
+    assert end == pytest.approx([-0.508537304, 0, -1.207239855], abs=2e-6)
+
+
+# 10 m of EA = 2e7 N over 8 m: both ends carry half of it, whatever rounding does to its tension.
+@pytest.mark.parametrize("elements", [16, 64])
+def test_cable_that_hardly_stretches(scene, elements):
+    material("wire", young=2e9, density=120)
+    a = brentq(lambda a: 2 * a * np.sinh(4 / a) - 10, 0.5, 100)
+    u = np.linspace(-5, 5, elements + 1)
+    points = [(4 + a * np.arcsinh(v / a), 0, np.hypot(a, v) - np.hypot(a, 5)) for v in u]
+    c = ancf.Cable(points, diameter=0.05, area=0.01, bending=20.0, material="wire")
+    c.append()
+    c.fix(0)
+    c.fix(-1)
+    relaxed(c, tolerance=1e-9)
+    O.dt = c.criticalTimeStep()
+    O.step()  # which finds the reactions
+    for knot in (0, -1):
+        assert c.reaction(knot)[2] == pytest.approx(0.5 * 1.2 * c.length * G, rel=1e-5)
+
+
 # ---- single contacts, energies -------------------------------------------------------------------
 
 

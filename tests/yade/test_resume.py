@@ -91,12 +91,33 @@ with open("state.txt", "w") as f:
 """
 
 
-def threads(n, mass, tmp_path):
+# Long enough for the cable's own step to be shared among threads.
+LONG = """
+import sys
+sys.path.insert(0, {folder!r})
+import math, ancf
+from helpers import O, material, steps
+material("cable")
+cable = ancf.Cable(
+    [(0, 0, 0), (50, 0, 0)], elements=5000, diameter=1e-3, material="cable", mass="lumped",
+    damping=1e-6, contactPoints=0,
+)
+cable.setVelocity(lambda p: (0, math.sin(p[0]), math.cos(3 * p[0])))
+cable.fix(0)
+O.engines = ancf.engines(cable, gravity=(0, 0, -9.81))
+steps(100)
+assert abs(cable.point(0.3)[1]) > 1e-6
+with open("state.txt", "w") as f:
+    f.write(" ".join(x.hex() for x in cable.engine.position))
+"""
+
+
+def threads(n, mass, tmp_path, script=SCRIPT):
     """Positions after a capture in `yade -j n`."""
     folder = tmp_path / f"j{n}"
     folder.mkdir()
     (folder / "scene.py").write_text(
-        SCRIPT.format(folder=str(pathlib.Path(__file__).parent), mass=mass)
+        script.format(folder=str(pathlib.Path(__file__).parent), mass=mass)
     )
     env = {k: v for k, v in os.environ.items() if k != "OMP_NUM_THREADS"}
     env.setdefault("PYTHONPATH", str(ROOT / "build" / "python"))
@@ -108,6 +129,10 @@ def threads(n, mass, tmp_path):
 
 def test_threads_change_no_bit(tmp_path):
     assert threads(1, None, tmp_path) == threads(2, None, tmp_path)
+
+
+def test_threads_of_a_long_cable_change_no_bit(tmp_path):
+    assert threads(1, None, tmp_path, LONG) == threads(2, None, tmp_path, LONG)
 
 
 def test_threads_with_a_free_ball(tmp_path):

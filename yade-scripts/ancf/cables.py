@@ -3,8 +3,8 @@
 import numpy as np
 
 from . import values
-from .laying import curveLength, subdivide, tangents, unit
-from .structure import Layout, Run, Structure, section
+from .laying import curveLength, subdivide, tangents
+from .structure import Run, Structure, layEdges, layStraight, section
 
 
 def divisions(name, model, elements, midPoints):
@@ -119,44 +119,40 @@ def _checkedPoints(name, given, closed):
     if len(p) < least:
         values.refuse(f"{name}.points", given, f"a cable needs at least {least} points here")
     following = np.roll(p, -1, axis=0) if closed else p[1:]
-    for i, gap in enumerate(np.linalg.norm(following - p[: len(following)], axis=1)):
-        if gap <= 1e-12 * max(1.0, np.abs(p).max()):
-            j = (i + 1) % len(p)
-            raise ValueError(
-                f"{name}.points[{i}] and [{j}] = {tuple(p[i])} coincide: take one of them out"
-                + (" (a closed cable joins the last point to the first itself)" if j == 0 else "")
-            )
+    gaps = np.linalg.norm(following - p[: len(following)], axis=1)
+    coincide = gaps <= 1e-12 * max(1.0, np.abs(p).max())
+    if coincide.any():
+        i = int(np.argmax(coincide))
+        j = (i + 1) % len(p)
+        raise ValueError(
+            f"{name}.points[{i}] and [{j}] = {tuple(p[i])} coincide: take one of them out"
+            + (" (a closed cable joins the last point to the first itself)" if j == 0 else "")
+        )
     return p
 
 
 def _edges(p, closed):
+    """Knot numbers (edges, 2)."""
     n = len(p)
-    return [(i, (i + 1) % n) for i in range(n if closed else n - 1)]
+    start = np.arange(n if closed else n - 1)
+    return np.stack([start, (start + 1) % n], axis=1)
 
 
 def _lay(p, parts, closed):
     """Layout of an ANCF cable: smooth from its first element to its last."""
-    layout = Layout(len(p), nodes=list(p))
-    t = tangents(p, closed)
-    for i, j in _edges(p, closed):
-        nodes, slopes = subdivide(p[i], t[i], p[j], t[j], parts)
-        lengths = [
-            curveLength(nodes[k], slopes[k], nodes[k + 1], slopes[k + 1]) for k in range(parts)
-        ]
-        layout.addEdge(i, j, nodes, slopes, lengths, smooth=True)
+    edges, t = _edges(p, closed), tangents(p, closed)
+    i, j = edges.T
+    nodes, slopes = subdivide(p[i], t[i], p[j], t[j], parts)
+    lengths = curveLength(nodes[:, :-1], slopes[:, :-1], nodes[:, 1:], slopes[:, 1:])
+    layout = layEdges(p, edges, nodes, slopes, lengths)
     count = len(layout.ends)
-    layout.next = [k + 1 for k in range(count - 1)] + [0 if closed else -1]
+    layout.next = np.append(np.arange(1, count), 0 if closed else -1)
     layout.runs = [Run(0, count, (0, 0 if closed else len(p) - 1))]
     return layout
 
 
 def _laySprings(p, parts, closed):
     """Layout of a chain of springs: straight from point to point."""
-    layout = Layout(len(p), nodes=list(p))
-    for i, j in _edges(p, closed):
-        nodes = p[i] + np.outer(np.linspace(0, 1, parts + 1), p[j] - p[i])
-        slopes = np.tile(unit(p[j] - p[i]), (parts + 1, 1))
-        lengths = [np.linalg.norm(p[j] - p[i]) / parts] * parts
-        layout.addEdge(i, j, nodes, slopes, lengths, smooth=False)
+    layout = layStraight(p, _edges(p, closed), parts)
     layout.runs = [Run(0, len(layout.ends), (0, 0 if closed else len(p) - 1))]
     return layout

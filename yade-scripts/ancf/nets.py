@@ -6,7 +6,7 @@ from yade import O, Vector3, utils
 from . import values
 from .cables import divisions
 from .laying import unit
-from .structure import Layout, Run, Structure, _inContainer, section
+from .structure import Run, Structure, _inContainer, layStraight, section
 
 
 class Net(Structure):
@@ -208,12 +208,15 @@ def _checkedEdges(name, edges, p):
         a, b = int(pair[0]), int(pair[1])
         if a == b or frozenset((a, b)) in seen:
             values.refuse(where, pair, "joins a knot to itself or is there twice: take it out")
-        if np.linalg.norm(p[a] - p[b]) <= 1e-12 * max(1.0, np.abs(p).max()):
-            values.refuse(where, pair, "its knots coincide: move one")
         seen.add(frozenset((a, b)))
         pairs.append((a, b))
     if not pairs:
         values.refuse(f"{name}.edges", edges, "a net needs at least one edge")
+    a, b = np.array(pairs).T
+    coincide = np.linalg.norm(p[a] - p[b], axis=1) <= 1e-12 * max(1.0, np.abs(p).max())
+    if coincide.any():
+        i = int(np.argmax(coincide))
+        values.refuse(f"{name}.edges[{i}]", pairs[i], "its knots coincide: move one")
     unused = set(range(len(p))) - {k for pair in pairs for k in pair}
     if unused:
         values.refuse(f"{name}.points[{min(unused)}]", tuple(p[min(unused)]), "no edge meets it")
@@ -221,13 +224,12 @@ def _checkedEdges(name, edges, p):
 
 
 def _lay(p, pairs, parts, model):
-    layout = Layout(len(p), nodes=list(p))
-    for a, b in pairs:
-        nodes = p[a] + np.outer(np.linspace(0, 1, parts + 1), p[b] - p[a])
-        slopes = np.tile(unit(p[b] - p[a]), (parts + 1, 1))
-        lengths = [np.linalg.norm(p[b] - p[a]) / parts] * parts
-        first = layout.addEdge(a, b, nodes, slopes, lengths, smooth=model == "ancf")
-        layout.runs.append(Run(first, parts, (a, b)))
+    layout = layStraight(p, np.array(pairs), parts)
+    first = parts * np.arange(len(pairs))
+    if model == "ancf":
+        layout.next = np.arange(1, len(layout.ends) + 1)
+        layout.next[first + parts - 1] = -1
+    layout.runs = [Run(int(e), parts, pair) for e, pair in zip(first, pairs)]
     return layout
 
 

@@ -341,15 +341,13 @@ def lay(path, elements, *, tension=0.0, **cable):
             ratio = math.sqrt(1 + 2 * force / (made.section.ea * ratio))
         return ratio
 
-    slope = [stretch(s) * t for s, t in zip(places, tangents)]
-    spacing = path.length / elements
+    slopes = np.array([stretch(s) for s in places])[:, None] * tangents
+    middles = (np.arange(elements) + 0.5) * path.length / elements
     layout = made._layout
-    for e, (i, j) in enumerate(layout.ends):
-        length = curveLength(points[i], tangents[i], points[j], tangents[j])
-        layout.length[e] = length / stretch((e + 0.5) * spacing)
-        layout.slopes[2 * e], layout.slopes[2 * e + 1] = slope[i], slope[j]
-    for span in made.spans:
-        span.__init__(made, span._run)
+    i, j = layout.ends.T
+    length = curveLength(points[i], tangents[i], points[j], tangents[j])
+    layout.length = length / np.array([stretch(s) for s in middles])
+    layout.slopes = np.stack([slopes[i], slopes[j]], axis=1).reshape(-1, 3)
     return made
 
 
@@ -464,7 +462,7 @@ def _checkStart(structure, sheaveId):
 
 def _coarseness(structure, radius):
     """What keeps a cable from an arc of a radius [m], by how much [m], and more of what mends it."""
-    length = max(structure._layout.length)
+    length = float(structure._layout.length.max())
     if structure.section.kind & SPRING:
         return f"straight springs of {length:.3g} m", length**2 / (8 * radius), "midPoints"
     if structure.contact == "points":  # what lies between them sinks in

@@ -19,6 +19,8 @@ LAW_OPTIONS = {
 
 SOLIDS = ("Sphere", "Box", "Facet", "Wall")  # that cables touch, sheaves besides
 
+IMPLICIT_STEP = 1e-3  # [s]
+
 # Overlap at the start, in the smaller radius of both
 DEEPEST_START = 0.5  # more is refused
 DEEP_START = 0.1  # more is warned of
@@ -37,7 +39,8 @@ def engines(
 
     structures   cables and nets; those not appended yet are appended to one engine
     gravity      [m/s2]
-    integrator   'leapfrog' or 'rk4'
+    integrator   'leapfrog'; 'implicit' for smooth cables that touch nothing (contactPoints=0): O.dt
+                 is then a matter of accuracy and set to 1 ms; 'rk4' is a reference
     substeps     of the cables inside O.dt, with contacts in each: 'auto' takes one, more only if
                  O.dt is raised later; a number exactly that many. 3 take 15 to 35 % off the time of
                  a capture; restitution at 10 m/s is then off by 2 %, undamped by up to 7 %
@@ -60,7 +63,7 @@ def engines(
     if not structures:
         raise ValueError("engines(): give at least one Cable or Net")
     gravity = values.vector("engines: gravity", gravity)
-    values.choice("engines: integrator", integrator, ("leapfrog", "rk4"))
+    values.choice("engines: integrator", integrator, ("leapfrog", "implicit", "rk4"))
     steps = 0 if substeps == "auto" else values.count("engines: substeps", substeps, 1)
     law = _lawOptions(contact)
     if verletDist is None:
@@ -72,6 +75,7 @@ def engines(
         engine.integrator, engine.substeps = integrator, steps
         for name, value in law.items():
             setattr(engine, name, value)
+        engine.checkIntegrator()
     for structure in structures:
         if getattr(structure, "folded", False) and O.iter == 0:
             _checkFolded(structure)
@@ -83,6 +87,7 @@ def engines(
         wrapper.InsertionSortCollider(
             [_new("Bo1_%s_Aabb" % s) for s in (*SOLIDS, "CableElement")],
             verletDist=verletDist,
+            sortAxis=_longestAxis(),
             avoidSelfInteractionMask=ELEMENTS,
         ),
         wrapper.InteractionLoop(
@@ -109,6 +114,14 @@ def _new(name):
     return getattr(wrapper, name)()
 
 
+def _longestAxis():
+    """Axis along which bodies are spread most: sorted along it, fewest overlap when the collider
+    starts. Those of a flat net do so all along its normal.
+    """
+    places = np.array([list(b.state.pos) for b in O.bodies] or [[0, 0, 0]])
+    return int(np.argmax(places.std(axis=0)))
+
+
 def _lawOptions(contact):
     options = dict(contact or {})
     for key, value in options.items():
@@ -129,7 +142,7 @@ def _appendAll(structures):
 
 def sweepLength(structure):
     """Sweep length that lets the collider rest for many steps [m]."""
-    return max(structure.radius, 0.125 * min(structure._layout.length))
+    return max(structure.radius, 0.125 * float(structure._layout.length.min()))
 
 
 def fastest():
@@ -153,6 +166,9 @@ def timeStep(engines=None, speed=None, law=None):
     speed = fastest() if speed is None else values.positive("timeStep: speed", speed, "m/s")
     steps = [(law or _hollarsLaw()).contactTimeStep(speed)]
     for engine in engines:
+        if engine.integrator == "implicit":
+            steps.append(IMPLICIT_STEP)
+            continue
         divides = engine.integrator == "leapfrog" and not engine.coupled
         inside = max(1, engine.substeps) if divides else 1
         steps.append(inside * engine.criticalTimeStep())

@@ -3,13 +3,13 @@ way.
 """
 
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
-from .laying import shape
+from .laying import shape, unit
 
 SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT = (
     1,
@@ -38,7 +38,7 @@ class Section:
     material: object  # HollarsMat
 
 
-@dataclass
+@dataclass(slots=True)
 class Run:
     """Elements in a row, along which arc length counts: a whole cable, or one edge of a net."""
 
@@ -49,32 +49,46 @@ class Run:
 
 @dataclass
 class Layout:
-    """Nodes and elements as laid; knots come first among the nodes."""
+    """Nodes and elements as laid; knots come first among the nodes. E elements."""
 
     knots: int
-    nodes: list = field(default_factory=list)  # (n) of (3,) [m]
-    slopes: list = field(default_factory=list)  # (2 E) of (3,): start, end of every element
-    ends: list = field(default_factory=list)  # (E) of (start node, end node)
-    next: list = field(default_factory=list)  # (E) element into which this goes on smoothly, or -1
-    length: list = field(default_factory=list)  # (E) unstressed [m]
-    runs: list = field(default_factory=list)  # of Run
+    nodes: np.ndarray  # (n, 3) [m]
+    slopes: np.ndarray  # (2 E, 3): start, end of every element
+    ends: np.ndarray  # (E, 2) start node, end node
+    length: np.ndarray  # (E) unstressed [m]
+    next: np.ndarray  # (E) element into which this goes on smoothly, or -1
+    runs: list  # of Run
 
-    def addEdge(self, start, end, nodes, slopes, lengths, smooth):
-        """Adds the elements between two knots: nodes and slopes (elements + 1, 3), lengths
-        (elements).
 
-        smooth: its elements go on smoothly one into the next. Returns the number of the first
-        element.
-        """
-        first, inner = len(self.ends), len(self.nodes)
-        self.nodes += list(nodes[1:-1])
-        chain = [start, *range(inner, len(self.nodes)), end]
-        for k, length in enumerate(lengths):
-            self.ends.append((chain[k], chain[k + 1]))
-            self.slopes += [slopes[k], slopes[k + 1]]
-            self.length.append(length)
-            self.next.append(first + k + 1 if smooth and k + 1 < len(lengths) else -1)
-        return first
+def layEdges(knots, edges, nodes, slopes, lengths):
+    """Layout of elements between knots, edge by edge, none going on into another; no runs yet.
+
+    knots (K, 3), edges (n, 2) knot numbers; of each edge nodes and slopes (n, parts + 1, 3), lengths
+    (n, parts).
+    """
+    n, parts = lengths.shape
+    chain = np.empty((n, parts + 1), int)
+    chain[:, 0], chain[:, -1] = edges.T
+    chain[:, 1:-1] = len(knots) + np.arange(n * (parts - 1)).reshape(n, parts - 1)
+    return Layout(
+        knots=len(knots),
+        nodes=np.concatenate([knots, nodes[:, 1:-1].reshape(-1, 3)]),
+        slopes=np.stack([slopes[:, :-1], slopes[:, 1:]], axis=2).reshape(-1, 3),
+        ends=np.stack([chain[:, :-1], chain[:, 1:]], axis=2).reshape(-1, 2),
+        length=lengths.ravel(),
+        next=np.full(n * parts, -1),
+        runs=[],
+    )
+
+
+def layStraight(knots, edges, parts):
+    """The same with straight edges of even parts."""
+    start, end = knots[edges.T]
+    x = np.linspace(0, 1, parts + 1)[:, None]
+    nodes = start[:, None] + x * (end - start)[:, None]
+    slopes = np.broadcast_to(unit(end - start)[:, None], nodes.shape)
+    length = np.linalg.norm(end - start, axis=1, keepdims=True) / parts
+    return layEdges(knots, edges, nodes, slopes, np.tile(length, parts))
 
 
 def section(
@@ -158,10 +172,23 @@ class Span:
     unstressed length.
     """
 
+    __slots__ = ("_structure", "_run", "_lengthUpTo")
+
     def __init__(self, structure, run):
-        self._structure, self._run = structure, run
-        lengths = structure._layout.length[run.first : run.first + run.count]
-        self._arc = np.concatenate([[0.0], np.cumsum(lengths)])
+        self._structure, self._run, self._lengthUpTo = structure, run, None
+
+    @property
+    def _elements(self):
+        """Its elements, as a slice."""
+        return slice(self._run.first, self._run.first + self._run.count)
+
+    @property
+    def _arc(self):
+        """Unstressed length up to its nodes, (count + 1) numpy [m]."""
+        if self._lengthUpTo is None:
+            lengths = self._structure._layout.length[self._elements]
+            self._lengthUpTo = np.concatenate([[0.0], np.cumsum(lengths)])
+        return self._lengthUpTo
 
     @property
     def length(self):
@@ -172,9 +199,10 @@ class Span:
         s = values.finite(f"{self._structure.name}: s", s, "-")
         if not 0 <= s <= 1:
             values.refuse(f"{self._structure.name}: s", s, "must be from 0 to 1")
-        at = s * self._arc[-1]
-        k = min(int(np.searchsorted(self._arc, at, side="right")) - 1, self._run.count - 1)
-        return k, min((at - self._arc[k]) / (self._arc[k + 1] - self._arc[k]), 1.0)
+        arc = self._arc
+        at = s * arc[-1]
+        k = min(int(np.searchsorted(arc, at, side="right")) - 1, self._run.count - 1)
+        return k, min(float((at - arc[k]) / (arc[k + 1] - arc[k])), 1.0)
 
     def _engineElement(self, k):
         return self._structure._first[1] + self._run.first + k
@@ -184,7 +212,8 @@ class Span:
         k, xi = self._place(s)
         if self._structure.appended:
             return self._structure.engine.point(self._engineElement(k), xi)
-        return Vector3(*self._structure._at(self._run.first + k, xi)[0])
+        elements = np.array([self._run.first + k])
+        return Vector3(*self._structure._points(self._structure._state(), elements, xi)[0, 0])
 
     def velocity(self, s):
         """Velocity at s [m/s], Vector3."""
@@ -207,23 +236,18 @@ class Span:
 
         state: that of the structure, for one who asks for many curves at once.
         """
-        k = values.count(f"{self._structure.name}.curve", k, 1)
-        xi = np.arange(k) / k
-        run = self._run
-        nodes, slopes, ends = state or self._structure._state()
-        parts = [
-            self._structure._points(nodes, slopes, ends, e, xi)
-            for e in range(run.first, run.first + run.count)
-        ]
-        return np.vstack([*parts, nodes[ends[run.first + run.count - 1][1]]])
+        structure = self._structure
+        k = values.count(f"{structure.name}.curve", k, 1)
+        state = state or structure._state()
+        points = structure._points(state, self._elements, np.arange(k) / k).reshape(-1, 3)
+        last = structure._layout.ends[self._elements][-1, 1]
+        return np.vstack([points, state[0][last]])
 
     def stations(self, k=8):
         """s of the points of curve(k), (k count + 1) numpy."""
-        xi = np.arange(k) / k
-        along = [
-            self._arc[e] + xi * (self._arc[e + 1] - self._arc[e]) for e in range(self._run.count)
-        ]
-        return np.append(np.concatenate(along) / self._arc[-1], 1.0)
+        arc = self._arc
+        along = arc[:-1, None] + np.arange(k) / k * np.diff(arc)[:, None]
+        return np.append(along.ravel() / arc[-1], 1.0)
 
     def tensions(self, k=8):
         """Tension at the points of curve(k), (k count + 1) numpy [N]."""
@@ -270,7 +294,7 @@ class Structure:
     @property
     def length(self):
         """Unstressed length of all elements [m]."""
-        return float(sum(self._layout.length))
+        return float(self._layout.length.sum())
 
     @property
     def mass(self):
@@ -341,12 +365,12 @@ class Structure:
     def _addElements(self, engine):
         lay, sec = self._layout, self.section
         return engine.add(
-            [Vector3(*p) for p in lay.nodes],
-            [Vector3(*g) for g in lay.slopes],
-            [n for ends in lay.ends for n in ends],
-            lay.next,
+            np.ascontiguousarray(lay.nodes),
+            np.ascontiguousarray(lay.slopes),
+            lay.ends.astype(np.int32, order="C"),
+            lay.next.astype(np.int32),
             sec.kind,
-            [float(l) for l in lay.length],
+            np.ascontiguousarray(lay.length),
             sec.ea,
             sec.ei,
             sec.rhoA,
@@ -358,42 +382,26 @@ class Structure:
 
     def _addBodies(self):
         """Tells the engine what the elements show to the outside, and gives each a body."""
-        engine, first, lay = self.engine, self._first[1], self._layout
-        run, arc, closed = [], [], []
-        for r in lay.runs:
-            lengths = lay.length[r.first : r.first + r.count]
-            run += [r.first] * r.count
-            arc += [float(a) for a in np.concatenate([[0.0], np.cumsum(lengths)[:-1]])]
-            returns = lay.ends[r.first][0] == lay.ends[r.first + r.count - 1][1]
-            closed += [float(sum(lengths)) if returns else 0.0] * r.count
+        engine, lay = self.engine, self._layout
+        count = np.array([r.count for r in lay.runs])
+        first = np.array([r.first for r in lay.runs])
+        ahead = np.concatenate([[0.0], np.cumsum(lay.length)])  # of all elements, in their order
+        returns = lay.ends[first, 0] == lay.ends[first + count - 1, 1]
+        closed = np.where(returns, ahead[first + count] - ahead[first], 0.0)
         engine.cover(
-            first,
+            self._first[1],
             self.radius,
             self._segments,
             self.contact == "points",
             self.selfContact,
-            run,
-            arc,
-            closed,
+            np.repeat(first, count).astype(np.int32),
+            ahead[:-1] - np.repeat(ahead[first], count),
+            np.repeat(closed, count),
         )
         if self._contactPoints == 0:
             return
         material = _inContainer(self.section.material)
-        state, bodies = self._state(), []
-        for e in range(len(lay.ends)):
-            body = wrapper.Body()
-            body.shape = wrapper.CableElement(
-                element=first + e, family=self._family, radius=self.radius
-            )
-            body.material = material
-            body.groupMask = self.mask | ELEMENTS
-            middle = self._points(*state, e, np.array([0.5]))[0]
-            body.state.pos = body.state.refPos = Vector3(*middle)
-            body.state.mass = 0
-            body.state.blockedDOFs = "xyzXYZ"
-            bodies.append(body)
-        self.bodies = list(O.bodies.append(bodies))
-        engine.addBodies(first, self.bodies)
+        self.bodies = list(engine.addBodies(self._first[1], material, self.mask | ELEMENTS))
 
     # ---- conditions on knots ---------------------------------------------------------------------
 
@@ -454,10 +462,8 @@ class Structure:
         engine = self.engine
         if not wasHeld:
             engine.fix(self._node(knot))
-        for e, ends in enumerate(self._layout.ends):
-            for end in (0, 1):
-                if ends[end] == knot:
-                    engine.clamp(self._first[1] + e, end)
+        for e, end in np.argwhere(self._layout.ends == knot).tolist():
+            engine.clamp(self._first[1] + e, end)
 
     def follow(self, knot, bodyId):
         """Keeps a knot at its place in a body's frame, whatever moves the body."""
@@ -489,7 +495,8 @@ class Structure:
         engine, state = self.engine, O.bodies[bodyId].state
         if state.vel.norm() > 0 or state.angVel.norm() > 0:
             arm = state.ori * Vector3(*at)
-            self._writeVelocity({knot: state.vel + state.angVel.cross(arm)}, {})
+            velocity = np.array(list(state.vel + state.angVel.cross(arm)))
+            engine.setVelocities(self._first[0] + knot, velocity, 0, np.empty(0))
         engine.carry(self._node(knot), bodyId, Vector3(*at))
         _makeCarried(O.bodies[bodyId])
         self._attach(knot, bodyId)
@@ -520,8 +527,8 @@ class Structure:
             raise ValueError(f"{self.name}.tie: knot {knot} cannot be tied to itself")
         if self.appended and other.appended:
             self._sameEngine(other)
-        apart = np.linalg.norm(self.knots[knot] - other.knots[otherKnot])
-        if apart > 1e-6 * max(self._layout.length):
+        apart = np.linalg.norm(self._knotAt(knot) - other._knotAt(otherKnot))
+        if apart > 1e-6 * self._layout.length.max():
             raise ValueError(
                 f"{self.name}.tie: knot {knot} is {apart:g} m away from knot {otherKnot} of "
                 f"{other.name}; "
@@ -558,16 +565,28 @@ class Structure:
         self._attached.append((knot, bodyId))
         if not self.bodies:
             return
-        body, node, first = O.bodies[bodyId], self._node(knot), self._first[0]
+        body = O.bodies[bodyId]
         members = [bodyId, *body.shape.members.keys()] if body.isClump else [bodyId]
+        meets = np.array(self.engine.elementsAt(self._node(knot)), int) - self._first[1]
+        meets = meets[(meets >= 0) & (meets < self.elementCount)]
         state = self._state()
-        for e, ends in enumerate(self._layout.ends):
-            meets = node in {self.engine.tied(first + i) for i in ends}
-            curve = self._points(*state, e, np.linspace(0, 1, 17))
-            excluded = [m for m in members if meets or _overlaps(O.bodies[m], curve, self.radius)]
-            if excluded:
+        for member in members:
+            for e in np.union1d(meets, self._reaching(O.bodies[member], state)):
                 shape = O.bodies[self.bodies[e]].shape
-                shape.exclude = list(shape.exclude) + excluded
+                shape.exclude = list(shape.exclude) + [member]
+
+    def _reaching(self, body, state):
+        """Numbers of the elements that reach into a sphere or box now."""
+        size = _reach(body.shape)
+        if size is None:
+            return np.array([], int)
+        # A curve is no farther from its chord's middle than half the chord and what slopes bend it.
+        start, end = state[0][self._layout.ends.T]
+        steep = np.linalg.norm(state[1], axis=1).reshape(-1, 2).sum(axis=1)
+        out = 0.5 * np.linalg.norm(end - start, axis=1) + 4 / 27 * self._layout.length * steep
+        gap = np.linalg.norm(0.5 * (start + end) - np.array(list(body.state.pos)), axis=1) - out
+        near = np.flatnonzero(gap < size + self.radius)
+        return near[_overlaps(body, self._points(state, near, np.linspace(0, 1, 17)), self.radius)]
 
     # ---- state -----------------------------------------------------------------------------------
 
@@ -577,16 +596,15 @@ class Structure:
         Slopes change at the rate of f along them (central difference). Bodies carried at knots move
         along.
         """
-        nodes, slopes, ends = self._state()
-        step = 1e-4 * min(self._layout.length)
+        nodes, slopes = self._state()
+        step = 1e-4 * self._layout.length.min()
 
         def at(p):
             return values.vector(f"{self.name}.setVelocity: f({tuple(p)})", f(Vector3(*p)))
 
         ofNodes = np.array([at(p) for p in nodes])
         ofSlopes = np.empty_like(slopes)
-        for i, g in enumerate(slopes):
-            p = nodes[ends[i // 2][i % 2]]
+        for i, (p, g) in enumerate(zip(nodes[self._layout.ends.ravel()], slopes)):
             ofSlopes[i] = (at(p + 0.5 * step * g) - at(p - 0.5 * step * g)) / step
         self._velocity = (ofNodes, ofSlopes)
         if self.appended:
@@ -598,44 +616,34 @@ class Structure:
 
     def _pushVelocity(self):
         if self._velocity is not None:
-            nodes, slopes = self._velocity
-            self._writeVelocity(dict(enumerate(nodes)), dict(enumerate(slopes)))
-
-    def _writeVelocity(self, nodes, slopes):
-        """Writes velocities {node: (3,)} and slope rates {2 e + end: (3,)} into the engine."""
-        engine = self.engine
-        v = np.array(engine.velocity).reshape(3, -1)
-        firstNode, firstElement = self._first
-        for i, value in nodes.items():
-            v[:, engine.tied(firstNode + i)] = [float(x) for x in value]
-        for i, value in slopes.items():
-            v[:, engine.nNodes + (i % 2) * engine.nElements + firstElement + i // 2] = value
-        engine.velocity = v.ravel().tolist()
+            nodes, slopes = (np.ascontiguousarray(v) for v in self._velocity)
+            self.engine.setVelocities(self._first[0], nodes, self._first[1], slopes)
 
     def _state(self):
-        """Nodes (n, 3), slopes (2 E, 3), ends (E, 2), ours only, as they are now."""
-        lay = self._layout
+        """Nodes (n, 3) [m] and slopes (2 E, 3), ours only, as they are now."""
         if not self.appended:
-            return np.array(lay.nodes), np.array(lay.slopes), lay.ends
-        engine, (firstNode, firstElement) = self.engine, self._first
-        x = np.array(engine.position).reshape(3, -1)
-        nodes = x[:, [engine.tied(firstNode + i) for i in range(len(lay.nodes))]].T
-        start = engine.nNodes + firstElement
-        end = start + engine.nElements
-        count = len(lay.ends)
-        slopes = np.stack([x[:, start : start + count], x[:, end : end + count]], -1)
-        return nodes, slopes.reshape(3, -1).T, lay.ends
+            return self._layout.nodes, self._layout.slopes
+        count = self.nodeCount
+        raw = self.engine.state(self._first[0], count, self._first[1], self.elementCount)
+        state = np.frombuffer(raw).reshape(-1, 3)
+        return state[:count], state[count:]
 
-    def _points(self, nodes, slopes, ends, e, xi):
-        """Positions (n, 3) at xi (n) of element e."""
-        r0, r1 = nodes[ends[e][0]], nodes[ends[e][1]]
+    def _knotAt(self, knot):
+        """Position of one knot (3) [m]."""
+        if not self.appended:
+            return self._layout.nodes[knot]
+        return np.frombuffer(self.engine.state(self._first[0] + knot, 1, 0, 0))
+
+    def _points(self, state, elements, xi):
+        """Positions (n, k, 3) at xi (k, or one) of the elements that a slice or numbers (n) choose."""
+        nodes, slopes = state
+        r0, r1 = np.moveaxis(nodes[self._layout.ends[elements]], 1, 0)
+        xi = np.atleast_1d(xi)
         if self.section.kind & SPRING:
-            return r0 + np.outer(xi, r1 - r0)
-        ends4 = np.stack([r0, slopes[2 * e], r1, slopes[2 * e + 1]])
-        return shape(xi, self._layout.length[e]) @ ends4
-
-    def _at(self, e, xi):
-        return self._points(*self._state(), e, np.array([xi]))
+            return r0[:, None] + xi[:, None] * (r1 - r0)[:, None]
+        g0, g1 = np.moveaxis(slopes.reshape(-1, 2, 3)[elements], 1, 0)
+        weights = shape(xi, self._layout.length[elements][:, None])
+        return weights @ np.stack([r0, g0, r1, g1], axis=1)
 
     def _needEngine(self, what):
         if not self.appended:
@@ -645,7 +653,7 @@ class Structure:
     @property
     def knots(self):
         """Positions of the knots, (K, 3) numpy [m]."""
-        return self._state()[0][: self._layout.knots]
+        return self._state()[0][: self._layout.knots].copy()
 
     def reaction(self, knot):
         """Force that holds a knot [N], Vector3: by what fixes or leads it; for a carried body, by
@@ -728,13 +736,19 @@ def _makeCarried(body):
             O.bodies[member].shape = wrapper.CarriedSphere(**shape.dict())
 
 
+def _reach(shape):
+    """How far a sphere or box reaches from its centre [m]; None: it is neither."""
+    if isinstance(shape, wrapper.Sphere):
+        return shape.radius
+    return shape.extents.norm() if isinstance(shape, wrapper.Box) else None
+
+
 def _overlaps(body, points, radius):
-    """Whether a ball around one of the points (n, 3) overlaps a sphere or box."""
+    """Which of the curves (n, k, 3) have a point around which a ball overlaps a sphere or box."""
     local = points - np.array(list(body.state.pos))
     if isinstance(body.shape, wrapper.Sphere):
-        return (np.linalg.norm(local, axis=1) < body.shape.radius + radius).any()
-    if isinstance(body.shape, wrapper.Box):
-        turn = body.state.ori.conjugate().toRotationMatrix()
-        turned = local @ np.array([[turn[i, j] for j in range(3)] for i in range(3)]).T
-        return (np.abs(turned) < np.array(list(body.shape.extents)) + radius).all(axis=1).any()
-    return False
+        return (np.linalg.norm(local, axis=-1) < body.shape.radius + radius).any(axis=1)
+    turn = body.state.ori.conjugate().toRotationMatrix()
+    turned = local @ np.array([[turn[i, j] for j in range(3)] for i in range(3)]).T
+    inside = np.abs(turned) < np.array(list(body.shape.extents)) + radius
+    return inside.all(axis=-1).any(axis=1)

@@ -86,7 +86,8 @@ def points(where, value):
         refuse(where, value, "must be a list of points, three numbers each [m]", TypeError)
     if p.ndim != 2 or p.shape[1] != 3:
         refuse(where, value, "must be a list of points, three numbers each [m]")
-    for i, point in enumerate(p):
-        if not np.isfinite(point).all():
-            refuse(f"{where}[{i}]", tuple(point), "must be finite [m]")
+    finiteRows = np.isfinite(p).all(axis=1)
+    if not finiteRows.all():
+        i = int(np.argmin(finiteRows))
+        refuse(f"{where}[{i}]", tuple(p[i]), "must be finite [m]")
     return p

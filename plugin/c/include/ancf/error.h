@@ -19,6 +19,8 @@
     X(ANCF_E_GROOVE, "a groove needs finite sizes, a slope above 0 to pi/2, and walls that reach above its fillet")    \
     X(ANCF_E_INERTIA, "inertia must be finite and above zero")                                                         \
     X(ANCF_E_BEARING, "viscous and dry friction must be finite and not below zero")                                    \
+    X(ANCF_E_RHO, "rho must be from 0 to 1")                                                                           \
+    X(ANCF_E_STEP, "an implicit step does not converge, in however short parts")                                       \
     X(ANCF_E_EQUILIBRIUM, "no static equilibrium was found: the structure is a mechanism, or the tolerance too small")
 
 typedef enum {

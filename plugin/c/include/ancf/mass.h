@@ -25,8 +25,14 @@ void ancf_mass_multiply(const ancf_model* m, double* product, const double* fiel
 // Kinetic energy of all elements, added masses left out [J]; only where the matrix is diagonal.
 double ancf_mass_kinetic(const ancf_model* m);
 
+// The same at v + last/2 a, less that at step/2 a (balance.h).
+double ancf_mass_kinetic_kept(const ancf_model* m, double last, double step);
+
 // Mass added at a node [kg].
 double ancf_mass_added(const ancf_model* m, int node);
+
+// Inverse of the diagonal mass of every unknown (stride), 0 where it is held or has none [1/kg and its like].
+const double* ancf_mass_inverse(const ancf_model* m);
 
 // True if the whole matrix is diagonal.
 bool ancf_mass_diagonal(const ancf_model* m);

@@ -45,16 +45,33 @@ typedef struct {
     const int* hold;             // (n_nodes + 2 n_elements) ancf_hold of every unknown, NULL: all free
 } ancf_def;
 
-// A run of elements that one kernel computes.
+// A run of elements that are computed together: of one kind, and with every slope of its own but the first and the
+// last.
 typedef struct {
     int begin, end;
     int kind;
     bool bending, damped;
-} ancf_group;
+    int joined;                  // number of slopes that go on smoothly from one into the next
+    bool start_moves, end_moves; // its first slope, its last; else they belong to a seam
+    bool chain;                  // nodes follow one another, and nothing else meets those between its elements
+    int like;                    // tile with equal constants, itself or one before
+    int seam, knots;             // numbers of the first whose last tile this is
+} ancf_tile;
+
+// What tiles do not move on their own, and the first and last tile that it takes.
+typedef struct {
+    int place[2]; // of a slope, and of the other copy of one that is shared, or -1
+    int first, last;
+} ancf_seam;
+
+typedef struct {
+    int begin, end; // nodes
+    int first, last;
+} ancf_knots;
 
 typedef struct ancf_mass ancf_mass;
 
-// To be read, not written, outside plugin/c, except x, v, held, external and gravity.
+// To be read, not written, outside plugin/c, except x, v, held, external, gravity and unloaded.
 typedef struct {
     int n_nodes, n_elements;
     int n_dof;  // n_nodes + 2 n_elements
@@ -66,38 +83,48 @@ typedef struct {
     int n_shared, n_held;
     int* shared;  // (n_shared x 2) places of the two copies of a shared slope in a block
     int* is_held; // (n_held) places of what is held
-    int n_groups;
-    ancf_group* group;
+    int n_tiles;
+    ancf_tile* tile;
+    int n_seams, n_knots;
+    ancf_seam* seam;   // (n_seams), sorted by last
+    ancf_knots* knots; // (n_knots), sorted by last
 
     // Elements meeting at a node: end k = 2 e + (0 start, 1 end), for k in at[first[i]] .. at[first[i+1]].
-    int* first; // (n_nodes + 1)
-    int* at;    // (2 n_elements)
+    int* first;   // (n_nodes + 1)
+    int* at;      // (2 n_elements)
+    double* sign; // (2 n_elements) 1 where an element ends, -1 where it starts
 
     // Per element, so that the kernels divide by nothing (n_elements each).
     double *inv_length, *ea_length, *ei_length; // 1/L, EA L/4, EI/L
     double* damping;                            // Kelvin-Voigt time [s]
-    double axial_exact[21], axial_reduced[21];  // upper triangles of the axial rule (elastic.c)
+    double* goes_on;                            // 1 where the slope at the end goes on within the tile, else 0
 
     ancf_mass* mass;
     double* weight; // (n_dof) gravity's force is weight g [kg or kg m]
     double gravity[3];
-    bool track;          // damping_work is wanted
-    double damping_work; // taken out by Kelvin-Voigt forces so far [J]
-    double damping_half; // of that, before the positions that the last step started from [J]
+    bool unloaded;           // external is zero, and is not read
+    bool track;              // elastic and what follows are wanted
+    double elastic;          // energy at the positions that the last step started from [J]
+    double damping_power[2]; // of Kelvin-Voigt forces in the last step, at the velocities before and after [W]
+    double damping_work;     // taken out by Kelvin-Voigt forces so far [J]
+    double damping_half;     // of that, before the positions that the last step started from [J]
 
     double *x, *v;    // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
     double* external; // (3 x stride) forces that act besides those computed here [N, N m]
     double* held;     // (3 x stride) new velocity of what is held
     double *f, *a;    // (3 x stride) force and acceleration of the last step
     double* free;     // (3 x stride) mean velocity of the step ahead without friction
-    double* scratch;  // (9 x n_elements) d, its rate, and the force on it
-    double* work;     // (6 x 3 x stride) for RK4, equilibrium, damping
+    double* pull;     // (3 x n_elements) forces of the elements on their end nodes; on start nodes the other way [N]
+    double* work;     // (6 x 3 x stride) for RK4, equilibrium, momentum, kinetic energy
 } ancf_model;
 
 // Builds a model on the caller's state arrays x and v ((3 x ancf_stride(def)) each, laid out as above). On an error
 // nothing is left behind, *model is NULL and *where is the number of the node or element at fault.
 ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x, double* v, int* where);
 void ancf_model_destroy(ancf_model* model);
+
+// What ancf_model_create refuses, but for what only shows when memory and a factor are needed.
+ancf_error ancf_model_check(const ancf_def* def, const double* x, const double* v, int* where);
 
 int ancf_stride(int n_nodes, int n_elements);
 

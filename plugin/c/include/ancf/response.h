@@ -16,8 +16,8 @@ typedef struct ancf_responses ancf_responses;
 ancf_error ancf_responses_create(ancf_responses** responses, const ancf_model* m);
 void ancf_responses_destroy(ancf_responses* responses);
 
-// That of an element; NULL: out of memory. Entries below 1e-13 of the largest are left out. Uses m->work the first
-// time.
+// That of an element; NULL: out of memory. What is below 1e-14 of its column's largest, in speed and in momentum, is
+// left out.
 const ancf_response* ancf_responses_of(ancf_responses* responses, const ancf_model* m, int element);
 
 #endif

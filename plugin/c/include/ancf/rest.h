@@ -37,6 +37,9 @@ void ancf_rest_destroy(ancf_rest* rest);
 // -1: out of memory.
 int ancf_rest_look(ancf_rest* rest, ancf_model* m, double* rate);
 
+// Whether nothing can touch anywhere between the state of now and that after a change of it by `way` (3 x stride).
+bool ancf_rest_clear(ancf_rest* rest, ancf_model* m, double* way);
+
 // Contacts at the state of now and its rate, fields (3 x stride) with shared slopes joined: forces; masses to be added
 // so that iterations stay stable; and forces that keep the sides of a contact from bouncing, 0 at rest.
 void ancf_rest_press(ancf_rest* rest, const ancf_model* m, const double* rate);

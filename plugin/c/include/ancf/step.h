@@ -22,6 +22,10 @@ void ancf_predict(ancf_model* m, const ancf_time* time);
 // `shift` (3 x stride) what they move besides step times that velocity, or NULL. Moves the state on by one step.
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift);
 
+// Both phases where nothing comes between them, to the last bit, but faster. Of m->f and m->a it leaves what belongs to
+// nodes that are held or have added mass, and to what else is held.
+void ancf_advance(ancf_model* m, const ancf_time* time);
+
 // One step of the classical Runge-Kutta scheme, m->external constant.
 void ancf_rk4(ancf_model* m, double step);
 

@@ -1,0 +1,251 @@
+#include "kernel.h"
+#include "gram.h"
+
+#include <float.h>
+
+// Damping of the fast curvature, by its rate along its own direction at 2 Gauss points (exact for a linear r''), where
+// L r'' = q -+ sqrt(3) k: a rigid rotation turns r'' but has no such rate.
+ANCF_INLINE void damp_fast(double h[ANCF_GRAM], const double G[ANCF_GRAM], const double rate[ANCF_GRAM],
+                           double ei_eta) {
+    const double root3 = 1.7320508075688772;
+    double q[2];
+    for (int p = 0; p < 2; ++p) {
+        const double s = p ? root3 : -root3, kk = G[ANCF_QQ] + 3.0 * G[ANCF_KK] + 2.0 * s * G[ANCF_QK],
+                     kv = 0.5 * (rate[ANCF_QQ] + 3.0 * rate[ANCF_KK]) + s * rate[ANCF_QK];
+        q[p] = 0.25 * ei_eta * kv / ((kk > 0.0 ? kk : 0.0) + ancf_tiny_curvature2);
+    }
+    h[ANCF_QQ] += q[0] + q[1];
+    h[ANCF_KK] += 3.0 * (q[0] + q[1]);
+    h[ANCF_QK] += 2.0 * root3 * (q[1] - q[0]);
+}
+
+// EI/2 int kappa^2 ds at 3 Gauss points, `elastic` times, with its Kelvin-Voigt term.
+ANCF_INLINE void bend_exact(double h[ANCF_GRAM], const double G[ANCF_GRAM], const double rate[ANCF_GRAM], double ei,
+                            double eta, int damped, double elastic) {
+    for (int p = 0; p < 3; ++p) {
+        const double t = ancf_gauss3_t[p], a = 0.5 * t, b = 0.25 * (3.0 * t * t - 1.0), s = 3.0 * t;
+        double P, R, Q;
+        ancf_at_place(&P, &R, &Q, G, t);
+        const double inv = 1.0 / P, part = R * inv;
+        double qP = inv * inv * (2.0 * R * part - Q), qR = -2.0 * inv * part, qQ = inv, factor = 0.5 * elastic;
+        if (damped) {
+            double Pv, Rv, Qv;
+            ancf_at_place(&Pv, &Rv, &Qv, rate, t);
+            const double q = inv * (Q - R * part), along = qP * Pv + qR * Rv + qQ * Qv;
+            factor += 0.25 * eta * along / ((q > 0.0 ? q : 0.0) + ancf_tiny_curvature2);
+        }
+        factor *= ancf_gauss3_weight[p] * ei;
+        qP *= factor;
+        qR *= factor;
+        qQ *= factor;
+        h[ANCF_DD] += qP;
+        h[ANCF_QQ] += a * a * qP + a * qR + qQ;
+        h[ANCF_KK] += b * b * qP + s * b * qR + s * s * qQ;
+        h[ANCF_DQ] += 2.0 * a * qP + qR;
+        h[ANCF_DK] += 2.0 * b * qP + s * qR;
+        h[ANCF_QK] += 2.0 * a * b * qP + (s * a + b) * qR + 2.0 * s * qQ;
+    }
+}
+
+enum { STRAIGHT, FAST, EXACT };
+
+// d, q and k of an element from its way and end slopes, or their rates.
+ANCF_INLINE void vectors_of(double d[3], double q[3], double k[3], const double* const way[3],
+                            const double* const g0[3], const double* const g1[3], const double* inv_length, int e) {
+    for (int c = 0; c < 3; ++c) {
+        d[c] = way[c][e] * inv_length[e];
+        q[c] = g1[c][e] - g0[c][e];
+        k[c] = g1[c][e] + g0[c][e] - 2.0 * d[c];
+    }
+}
+
+ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bending, int damped) {
+    const ancf_fields K = *fields;
+    const ancf_rule rule = *of;
+#pragma GCC ivdep
+    for (int e = 0; e < K.n; ++e) {
+        double d[3], q[3], k[3], G[ANCF_GRAM], at[ANCF_GRAM], rate[ANCF_GRAM] = {0.0}, h[ANCF_GRAM];
+        vectors_of(d, q, k, K.way, K.g0, K.g1, K.inv_length, e);
+        ancf_gram(G, d, q, k);
+        for (int i = 0; i < ANCF_GRAM; ++i) at[i] = G[i];
+        if (damped) {
+            double dv[3], qv[3], kv[3];
+            vectors_of(dv, qv, kv, K.wayv, K.g0v, K.g1v, K.inv_length, e);
+            ancf_gram_rate(rate, d, q, k, dv, qv, kv);
+            for (int i = 0; i < ANCF_GRAM; ++i) at[i] += K.eta[e] * rate[i];
+        }
+        ancf_axial(h, at, &rule, K.ea[e], 1.0);
+        if (bending == FAST) {
+            h[ANCF_QQ] += 0.5 * K.ei[e];
+            h[ANCF_KK] += 1.5 * K.ei[e];
+            if (damped) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
+        }
+        if (bending == EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 1.0);
+        for (int c = 0; c < 3; ++c) {
+            const double on_d = 2.0 * h[ANCF_DD] * d[c] + h[ANCF_DQ] * q[c] + h[ANCF_DK] * k[c],
+                         on_q = 2.0 * h[ANCF_QQ] * q[c] + h[ANCF_DQ] * d[c] + h[ANCF_QK] * k[c],
+                         on_k = 2.0 * h[ANCF_KK] * k[c] + h[ANCF_DK] * d[c] + h[ANCF_QK] * q[c];
+            K.fd[c][e] = K.inv_length[e] * (2.0 * on_k - on_d);
+            K.f0[c][e] = on_q - on_k;
+            K.f1[c][e] = -(on_q + on_k);
+        }
+    }
+}
+
+// One function per combination that a scene can have, so that none computes what it does not need.
+#define ANCF_BEAM_KERNEL(name, bending, damped)                                                                        \
+    ANCF_CLONES static void name(const ancf_fields* fields, const ancf_rule* rule) {                                   \
+        beam(fields, rule, bending, damped);                                                                           \
+    }
+ANCF_BEAM_KERNEL(straight, STRAIGHT, 0)
+ANCF_BEAM_KERNEL(straight_damped, STRAIGHT, 1)
+ANCF_BEAM_KERNEL(fast, FAST, 0)
+ANCF_BEAM_KERNEL(fast_damped, FAST, 1)
+ANCF_BEAM_KERNEL(exact, EXACT, 0)
+ANCF_BEAM_KERNEL(exact_damped, EXACT, 1)
+
+// Tension-only spring and damper, k = EA/dl (Eq. 1), engineering strain |d| - 1.
+ANCF_CLONES static void spring(const ancf_fields* fields) {
+    const ancf_fields K = *fields;
+#pragma GCC ivdep
+    for (int e = 0; e < K.n; ++e) {
+        double d[3], dv[3];
+        for (int c = 0; c < 3; ++c) {
+            d[c] = K.way[c][e] * K.inv_length[e];
+            dv[c] = K.wayv[c][e] * K.inv_length[e];
+        }
+        const double stretch = sqrt(ancf_inner(d, d)), taut = stretch > 1.0 ? 1.0 : 0.0;
+        const double inv = 1.0 / (stretch + DBL_MIN);
+        const double ea = 4.0 * K.ea[e] * K.inv_length[e];
+        const double tension = ea * (stretch - 1.0 + K.eta[e] * ancf_inner(d, dv) * inv);
+        const double pull = -taut * inv * (tension > 0.0 ? tension : 0.0);
+        for (int c = 0; c < 3; ++c) {
+            K.f0[c][e] = 0.0;
+            K.f1[c][e] = 0.0;
+            K.fd[c][e] = pull * d[c];
+        }
+    }
+}
+
+void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped) {
+    if (kind & ANCF_SPRING) {
+        spring(fields);
+        return;
+    }
+    static void (*const beams[3][2])(const ancf_fields*, const ancf_rule*) = {
+        {straight, straight_damped}, {fast, fast_damped}, {exact, exact_damped}};
+    const ancf_rule rule = ancf_rule_of(kind);
+    beams[!bending ? STRAIGHT : kind & ANCF_CURVATURE_EXACT ? EXACT : FAST][damped](fields, &rule);
+}
+
+// (L kappa)^2 at the 3 Gauss points, with their weights.
+ANCF_INLINE double exact_curvature2(const double G[ANCF_GRAM]) {
+    double sum = 0.0;
+    for (int p = 0; p < 3; ++p) {
+        double P, R, Q;
+        ancf_at_place(&P, &R, &Q, G, ancf_gauss3_t[p]);
+        const double q = (Q - R * R / P) / P; // not below 0 but by rounding
+        sum += ancf_gauss3_weight[p] * (q > 0.0 ? q : 0.0);
+    }
+    return sum;
+}
+
+ANCF_INLINE double product_of(const double a[ANCF_GRAM], const double b[ANCF_GRAM]) {
+    double sum = 0.0;
+    for (int i = 0; i < ANCF_GRAM; ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+// Accounts of single elements; their sums come after, so that the loops stay one lane each.
+typedef struct {
+    double axial[ANCF_TILE], bending[ANCF_TILE], before[ANCF_TILE], after[ANCF_TILE];
+} accounts;
+
+ANCF_INLINE double sum_of(const double* a, int n) {
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (int e = 0; e < n; ++e) sum += a[e];
+    return sum;
+}
+
+ANCF_INLINE void account_of(ancf_account* account, const ancf_fields* fields, const ancf_fields* later,
+                            const ancf_rule* by, int bending, int damped) {
+    const ancf_fields K = *fields, U = damped ? *later : *fields;
+    const ancf_rule rule = *by;
+    accounts of;
+#pragma GCC ivdep
+    for (int e = 0; e < K.n; ++e) {
+        double d[3], q[3], k[3], G[ANCF_GRAM];
+        vectors_of(d, q, k, K.way, K.g0, K.g1, K.inv_length, e);
+        ancf_gram(G, d, q, k);
+        of.axial[e] = ancf_axial_energy(G, &rule, K.ea[e]);
+        if (bending == FAST) of.bending[e] = 0.5 * K.ei[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
+        if (bending == EXACT) of.bending[e] = 0.5 * K.ei[e] * exact_curvature2(G);
+        if (damped) {
+            double dv[3], qv[3], kv[3], rate[ANCF_GRAM], stress[ANCF_GRAM], h[ANCF_GRAM];
+            vectors_of(dv, qv, kv, K.wayv, K.g0v, K.g1v, K.inv_length, e);
+            ancf_gram_rate(rate, d, q, k, dv, qv, kv);
+            for (int i = 0; i < ANCF_GRAM; ++i) stress[i] = K.eta[e] * rate[i];
+            ancf_axial(h, stress, &rule, K.ea[e], 0.0);
+            if (bending == FAST) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
+            if (bending == EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 0.0);
+            of.before[e] = -product_of(h, rate);
+            vectors_of(dv, qv, kv, U.wayv, U.g0v, U.g1v, K.inv_length, e);
+            ancf_gram_rate(rate, d, q, k, dv, qv, kv);
+            of.after[e] = -product_of(h, rate);
+        }
+    }
+    *account = (ancf_account) {.axial = sum_of(of.axial, K.n),
+                               .bending = bending == STRAIGHT ? 0.0 : sum_of(of.bending, K.n),
+                               .before = damped ? sum_of(of.before, K.n) : 0.0,
+                               .after = damped ? sum_of(of.after, K.n) : 0.0};
+}
+
+#define ANCF_ACCOUNT(name, bending, damped)                                                                            \
+    ANCF_CLONES static void name(ancf_account* account, const ancf_fields* fields, const ancf_fields* after,           \
+                                 const ancf_rule* rule) {                                                              \
+        account_of(account, fields, after, rule, bending, damped);                                                     \
+    }
+ANCF_ACCOUNT(account_straight, STRAIGHT, 0)
+ANCF_ACCOUNT(account_straight_damped, STRAIGHT, 1)
+ANCF_ACCOUNT(account_fast, FAST, 0)
+ANCF_ACCOUNT(account_fast_damped, FAST, 1)
+ANCF_ACCOUNT(account_exact, EXACT, 0)
+ANCF_ACCOUNT(account_exact_damped, EXACT, 1)
+
+ANCF_CLONES static void account_spring(ancf_account* account, const ancf_fields* fields, const ancf_fields* later) {
+    const ancf_fields K = *fields, U = later ? *later : *fields;
+    accounts of;
+#pragma GCC ivdep
+    for (int e = 0; e < K.n; ++e) {
+        double d[3], v[3], u[3];
+        for (int c = 0; c < 3; ++c) {
+            d[c] = K.way[c][e] * K.inv_length[e];
+            v[c] = K.wayv[c][e];
+            u[c] = U.wayv[c][e];
+        }
+        const double stretch = sqrt(ancf_inner(d, d)), strain = stretch > 1.0 ? stretch - 1.0 : 0.0,
+                     taut = stretch > 1.0 ? 1.0 : 0.0, inv = 1.0 / (stretch + DBL_MIN);
+        const double along = ancf_inner(d, v) * inv, ea = 4.0 * K.ea[e] * K.inv_length[e], slack = -ea * strain,
+                     viscous = ea * K.eta[e] * K.inv_length[e] * along,
+                     more = taut * (viscous > slack ? viscous : slack); // it never pushes
+        of.axial[e] = 2.0 * K.ea[e] * strain * strain;
+        of.before[e] = -more * along;
+        of.after[e] = -more * ancf_inner(d, u) * inv;
+    }
+    *account = (ancf_account) {sum_of(of.axial, K.n), 0.0, sum_of(of.before, K.n), sum_of(of.after, K.n)};
+}
+
+void ancf_kernel_account(ancf_account* account, const ancf_fields* fields, const ancf_fields* after, int kind,
+                         bool bending) {
+    static void (*const beams[3][2])(ancf_account*, const ancf_fields*, const ancf_fields*,
+                                     const ancf_rule*) = {{account_straight, account_straight_damped},
+                                                          {account_fast, account_fast_damped},
+                                                          {account_exact, account_exact_damped}};
+    const ancf_rule rule = ancf_rule_of(kind);
+    if (kind & ANCF_SPRING) account_spring(account, fields, after);
+    else
+        beams[!bending                      ? STRAIGHT
+              : kind & ANCF_CURVATURE_EXACT ? EXACT
+                                            : FAST][after != NULL](account, fields, after, &rule);
+}

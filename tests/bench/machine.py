@@ -1,0 +1,35 @@
+"""What is measured, and on what."""
+
+import os
+import pathlib
+import re
+import subprocess
+
+import ancf
+
+
+def machine():
+    """Model, vector units and cores of this machine."""
+    try:
+        info = pathlib.Path("/proc/cpuinfo").read_text()
+    except OSError:
+        info = ""
+    fields = dict(re.findall(r"^(model name|cpu family|model|flags)\s*: (.*)$", info, re.M))
+    flags = fields.get("flags", "").split()
+    units = [shown for flag, shown in (("avx2", "AVX2"), ("avx512f", "AVX-512")) if flag in flags]
+    family = f"family {fields.get('cpu family', '?')} model {fields.get('model', '?')}"
+    name = f"{fields.get('model name', 'unknown')} ({family})"
+    return f"{name}, {' '.join(units) or 'no AVX2'}, {os.cpu_count()} cores"
+
+
+def code():
+    """Commit of the tree in which the measured build lies, with + where it was changed since."""
+    folder = pathlib.Path(ancf.__file__).resolve().parent
+
+    def git(*words):
+        done = subprocess.run(["git", "-C", folder, *words], capture_output=True, text=True)
+        return done.stdout.strip() if done.returncode == 0 else ""
+
+    return (git("rev-parse", "--short", "HEAD") or "unknown") + (
+        "+" if git("status", "--porcelain") else ""
+    )

@@ -1,0 +1,27 @@
+"""What the runs are measured against: made once with far finer settings, kept in references.json."""
+
+import json
+import pathlib
+
+import numpy as np
+
+FILE = pathlib.Path(__file__).with_name("references.json")
+
+
+def reference(name):
+    """The stored value (numpy)."""
+    return np.array(json.loads(FILE.read_text())[name]["value"])
+
+
+def store(made):
+    """made: {name: (value, distance of a coarser one, how)}; keeps what is not made again."""
+    known = json.loads(FILE.read_text()) if FILE.exists() else {}
+    for name, (value, check, how) in made.items():
+        known[name] = dict(value=np.asarray(value).tolist(), check=float(check), made=how)
+        print(f"{name}: differs by {check:.1e} from the coarser one", flush=True)
+    FILE.write_text(json.dumps(known, indent=1) + "\n")
+
+
+def check(name):
+    """How far a coarser reference was from the stored one."""
+    return json.loads(FILE.read_text())[name]["check"]
