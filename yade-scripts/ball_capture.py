@@ -1,6 +1,6 @@
 """A net, shot at a fixed ball by four bullets, wraps it: Table 2 of Shan, Guo and Gill 2019.
 
-Run it by `python3.11 ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options.
+Run it by `/usr/bin/python3 ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options.
 Results go to out/. Source: Shan, Guo, Gill, Advances in Space Research (2019), doi
 10.1016/j.asr.2019.10.041.
 """

@@ -1,7 +1,7 @@
 """A belt over two sheaves: one driven at a speed, the other braked by a load torque that grows until
 the belt slips.
 
-Run it by `python3.11 belt.py`; --help tells the options. Results go to out/.
+Run it by `/usr/bin/python3 belt.py`; --help tells the options. Results go to out/.
 """
 
 import argparse

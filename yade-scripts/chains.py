@@ -1,7 +1,7 @@
 """The same cable and net of YADE's built-in elements and of ours: hanging, swinging, bending, caught.
 
 Grid connections, cohesive sphere chains and wire links, made by YADE's own functions, run the same
-tests as ours: error against wall time. Run it by `python3.11 chains.py`; results go to out/chains/.
+tests as ours: error against wall time. Run it by `/usr/bin/python3 chains.py`; results go to out/chains/.
 """
 
 import argparse

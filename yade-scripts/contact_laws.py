@@ -1,7 +1,7 @@
 """What a contact does: normal force against penetration, friction against tangential velocity.
 
 Draws Fig. 7 and Fig. 8 of Shan, Guo, Gill 2019 (doi 10.1016/j.asr.2019.10.041) from the forces that
-act on two bodies in YADE while one hits the other, or is drawn over it. Run it by `python3.11
+act on two bodies in YADE while one hits the other, or is drawn over it. Run it by `/usr/bin/python3
 contact_laws.py`; results go to out/contact-laws/.
 """
 

@@ -1,7 +1,7 @@
 """How a net opens: mouth area over time, deployment time and way, and when it captures a ball.
 
 Bullet mass, shooting speed and angle are varied one by one around the net of ball_capture, then speed
-and angle together with a ball in the way. Run it by `python3.11 deployment.py`; results go to
+and angle together with a ball in the way. Run it by `/usr/bin/python3 deployment.py`; results go to
 out/deployment/.
 """
 

@@ -1,7 +1,7 @@
 """A linear drive pulls a body through a fibre over a sheave: system B of the cable-and-pulley study.
 
 The authors of the study compare with an experiment whose data is not published: there is nothing
-here to compare with, only what the model says. Run it by `python3.11 drive_rig.py`; --help tells
+here to compare with, only what the model says. Run it by `/usr/bin/python3 drive_rig.py`; --help tells
 the options. Results go to out/.
 """
 

@@ -1,6 +1,6 @@
 """Two targets, four models of a net's flexibility: the study of Shan, Guo and Gill 2019, remade.
 
-`python3.11 net_study.py` remakes every figure and table of docs/net-study in at most half an hour on
+`/usr/bin/python3 net_study.py` remakes every figure and table of docs/net-study in at most half an hour on
 two cores; --quick is a short form for tests, --captures leaves the other scripts out. Results go to
 out/net-study/. Source: Shan, Guo, Gill, Advances in Space Research (2019), doi
 10.1016/j.asr.2019.10.041.

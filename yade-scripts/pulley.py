@@ -1,6 +1,6 @@
 """A cable over a sheave with a weight on each side: system A of the cable-and-pulley study.
 
-Run it by `python3.11 pulley.py`; --help tells the options. Results go to out/.
+Run it by `/usr/bin/python3 pulley.py`; --help tells the options. Results go to out/.
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 A cable is held at one end, pulled at the other and wraps a drum that turns under it; T2/T1 is
 compared with exp(mu theta). A second part holds the cable by stiction and compares its creep with
-the closed form of Hollars. Run it by `python3.11 pulley_study.py`; results go to out/.
+the closed form of Hollars. Run it by `/usr/bin/python3 pulley_study.py`; results go to out/.
 """
 
 import argparse

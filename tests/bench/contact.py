@@ -1,6 +1,6 @@
 """Speed of contact: a capture, a net in flight, grains in nets, spheres on a cable.
 
-Run it by `PYTHONPATH=build/python python3.11 tests/bench/contact.py`, on a core with nothing else to
+Run it by `PYTHONPATH=build/python /usr/bin/python3 tests/bench/contact.py`, on a core with nothing else to
 do; PYTHONPATH says which build is measured, public functions alone are used, so that builds of
 other commits run it, too. --peers PYTHON takes a Python that has MuJoCo (pip install mujoco) and
 runs its coarse net in turns with the capture. Every case is a process of its own with one thread.

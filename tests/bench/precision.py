@@ -1,6 +1,6 @@
 """Error against CPU time: cables, nets, sheaves and a floor, beside YADE's own chains and other programs.
 
-Run it by `PYTHONPATH=build/python python3.11 tests/bench/precision.py`; PYTHONPATH says which build is
+Run it by `PYTHONPATH=build/python /usr/bin/python3 tests/bench/precision.py`; PYTHONPATH says which build is
 measured. --peers PYTHON takes a Python that has Exudyn, PyElastica and MuJoCo (pip install exudyn
 pyelastica mujoco) and runs their parts in turns with ours. A CSV and a diagram for each case go to
 docs/images/precision. Every case is a process of its own with one thread. Times are CPU times

@@ -102,7 +102,10 @@ def test_layout_check_passes_and_fails_by_name(tmp_path):
 @pytest.mark.parametrize(
     "before, named",
     [
-        ("from yade import config; config.version = '2020.01a'", ["2020.01a", YADE_VERSION, "build it"]),
+        (
+            "from yade import config; config.version = '2020.01a'",
+            ["2020.01a", YADE_VERSION, "build it"],
+        ),
         (
             "from yade import config; config.highPrecisionBits = 80",
             ["highPrecisionBits", "80", "64"],
@@ -219,7 +222,9 @@ def test_dispatch_hierarchy_and_documentation(tmp_path):
 
 def test_no_class_of_yade_is_defined_twice():
     """Its vtable and typeinfo stay in YADE's libraries."""
-    library = ROOT / "build" / "python" / "ancf" / ("_ancf" + sysconfig.get_config_var("EXT_SUFFIX"))
+    library = (
+        ROOT / "build" / "python" / "ancf" / ("_ancf" + sysconfig.get_config_var("EXT_SUFFIX"))
+    )
     symbols = subprocess.run(
         ["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True
     ).stdout
