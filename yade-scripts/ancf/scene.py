@@ -21,6 +21,9 @@ SOLIDS = ("Sphere", "Box", "Facet", "Wall")  # that cables touch, sheaves beside
 
 IMPLICIT_STEP = 1e-3  # [s]
 
+# What integrator='auto' goes by, from docs/precision.rst
+MOST_INSIDE = 40  # steps of leapfrog in an O.dt; more make it no cheaper, and implicit ones are
+
 # Overlap at the start, in the smaller radius of both
 DEEPEST_START = 0.5  # more is refused
 DEEP_START = 0.1  # more is warned of
@@ -40,7 +43,9 @@ def engines(
     structures   cables and nets; those not appended yet are appended to one engine
     gravity      [m/s2]
     integrator   'leapfrog'; 'implicit' for smooth cables that touch nothing (contactPoints=0): O.dt
-                 is then a matter of accuracy and set to 1 ms; 'rk4' is a reference
+                 is then a matter of accuracy and set to 1 ms; 'rk4' is a reference; 'auto' takes
+                 leapfrog where something may touch, and otherwise what is cheapest, with an O.dt
+                 of up to 1 ms: plan() tells what it took, and why
     substeps     of the cables inside O.dt, with contacts in each: 'auto' takes one, more only if
                  O.dt is raised later; a number exactly that many. 3 take 15 to 35 % off the time of
                  a capture; restitution at 10 m/s is then off by 2 %, undamped by up to 7 %
@@ -63,7 +68,7 @@ def engines(
     if not structures:
         raise ValueError("engines(): give at least one Cable or Net")
     gravity = values.vector("engines: gravity", gravity)
-    values.choice("engines: integrator", integrator, ("leapfrog", "implicit", "rk4"))
+    values.choice("engines: integrator", integrator, ("leapfrog", "implicit", "rk4", "auto"))
     steps = 0 if substeps == "auto" else values.count("engines: substeps", substeps, 1)
     law = _lawOptions(contact)
     if verletDist is None:
@@ -72,7 +77,11 @@ def engines(
 
     cable = _appendAll(structures)
     for engine in cable:
-        engine.integrator, engine.substeps = integrator, steps
+        chosen, inside = integrator, steps
+        if integrator == "auto":
+            chosen, best, _ = _choice(engine)
+            inside = steps or best
+        engine.integrator, engine.substeps = chosen, inside
         for name, value in law.items():
             setattr(engine, name, value)
         engine.checkIntegrator()
@@ -108,6 +117,46 @@ def engines(
         *cable,
         wrapper.CableNewton(damping=0, gravity=Vector3(*gravity)),
     ]
+
+
+def _choice(engine):
+    """Integrator, sub-steps (0: automatic) and the reason, for an engine as it is now."""
+    if any(i >= 0 for i in engine.elementIds) or engine.coupled:
+        return "leapfrog", 0, "something may touch, or hangs off its centre or on a guide"
+    inside = IMPLICIT_STEP / engine.criticalTimeStep()
+    smooth = any(n >= 0 for n in engine.next) and any(ei > 0 for ei in engine.ei)
+    if smooth and inside > MOST_INSIDE:
+        return (
+            "implicit",
+            0,
+            f"nothing touches, and {IMPLICIT_STEP:g} s would take {inside:.0f} steps of leapfrog",
+        )
+    inside = int(min(max(1, inside), MOST_INSIDE))
+    return "leapfrog", inside, "nothing touches, and its steps cost less than those of YADE's loop"
+
+
+def plan():
+    """What the CableEngines in O.engines do in a step, and what integrator='auto' would choose, as
+    text, a line each.
+    """
+    lines = []
+    for engine in cableEngines():
+        lumped = sum(1 for kind in engine.kind if kind & 2)
+        mass = {0: "consistent mass", engine.nElements: "lumped mass"}.get(
+            lumped, f"mass of {lumped} lumped"
+        )
+        inside = 1
+        if engine.integrator == "leapfrog":
+            inside = engine.substeps or max(1, math.ceil(O.dt / engine.criticalTimeStep() - 1e-9))
+        chosen, most, why = _choice(engine)
+        if chosen == "leapfrog":
+            chosen += f" with {most or 1} in an O.dt"
+        lines.append(
+            f"CableEngine {engine.family}: {engine.nElements} elements, {mass}; {engine.integrator}, "
+            f"{inside} of its steps in O.dt = {O.dt:g} s, each stable up to {engine.criticalTimeStep():.3g} s with "
+            f"leapfrog; 'auto' would take {chosen}: {why}"
+        )
+    return "\n".join(lines)
 
 
 def _new(name):
