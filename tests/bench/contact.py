@@ -10,10 +10,8 @@ compared with: trust their ratios, and other figures only on a machine with noth
 
 import argparse
 import csv
-import datetime
 import json
 import os
-import platform
 import statistics
 import subprocess
 import sys
@@ -25,8 +23,8 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np  # noqa: E402
 
 import ancf  # noqa: E402
-from machine import code, machine  # noqa: E402
-from yade import O, Vector3, config, timing, utils, wrapper  # noqa: E402
+from machine import here  # noqa: E402
+from yade import O, Vector3, timing, utils, wrapper  # noqa: E402
 
 # ---- parameters, SI units ----------------------------------------------------------------------
 # Net and capture: those of yade-scripts/ball_capture.py.
@@ -545,15 +543,7 @@ def main():
     args = options()
     if args.child:
         child(args.child, args.quick)
-    here = dict(
-        date=datetime.date.today().isoformat(),
-        commit=code(),
-        yade=config.version,
-        python=platform.python_version(),
-        machine=machine(),
-        form="quick" if args.quick else "whole",
-    )
-    print("\n".join(f"{key:10}{value}" for key, value in here.items()))
+    facts = {**here(), "form": "quick" if args.quick else "whole"}
     print(f"{'load':10}{os.getloadavg()[0]:.2f} before the start", flush=True)
     table, failed = [], False
     for name in args.only or CASES:
@@ -561,7 +551,7 @@ def main():
             for quantity, value, unit in rows:
                 shown = value if isinstance(value, str) else f"{value:.4g}"
                 print(f"{case:18}{quantity:58}{shown:>12} {unit}", flush=True)
-                table.append(dict(**here, case=case, quantity=quantity, value=shown, unit=unit))
+                table.append(dict(**facts, case=case, quantity=quantity, value=shown, unit=unit))
                 failed = failed or quantity == "ERROR"
     if args.out:
         with open(args.out, "w", newline="") as file:

@@ -1,11 +1,14 @@
 """What is measured, and on what."""
 
+import datetime
 import os
 import pathlib
+import platform
 import re
 import subprocess
 
 import ancf
+from yade import config
 
 
 def machine():
@@ -33,3 +36,16 @@ def code():
     return (git("rev-parse", "--short", "HEAD") or "unknown") + (
         "+" if git("status", "--porcelain") else ""
     )
+
+
+def here():
+    """What every row of a CSV says besides its figures: date, commit, versions, machine; printed, too."""
+    facts = dict(
+        date=datetime.date.today().isoformat(),
+        commit=code(),
+        yade=config.version,
+        python=platform.python_version(),
+        machine=machine(),
+    )
+    print("\n".join(f"{key:10}{value}" for key, value in facts.items()), flush=True)
+    return facts

@@ -9,11 +9,9 @@ without the scene being built; compare them within one run.
 
 import argparse
 import csv
-import datetime
 import json
 import os
 import pathlib
-import platform
 import subprocess
 import sys
 import tempfile
@@ -24,10 +22,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "yade-scripts"), str(ROOT / "tests" / "bench")]
 
 import ancf  # noqa: E402, F401  YADE's classes, before its modules
-from machine import code, machine  # noqa: E402
+from machine import here  # noqa: E402
 from workprecision import diagram, floor, nets, references, sheaves, smooth  # noqa: E402
 from workprecision.measure import Row  # noqa: E402
-from yade import config  # noqa: E402
 
 MODULES = (smooth, nets, sheaves, floor)
 CASES = {name: case for module in MODULES for name, case in module.CASES.items()}
@@ -95,15 +92,15 @@ def theirs(python, program, name):
     return rows
 
 
-def save(name, rows, here):
+def save(name, rows, facts):
     OUT.mkdir(parents=True, exist_ok=True)
     file = OUT / f"{name.replace(' ', '-')}.csv"
     with open(file, "w", newline="") as out:
-        writer = csv.DictWriter(out, [*here, *asdict(rows[0])], lineterminator="\n")
+        writer = csv.DictWriter(out, [*facts, *asdict(rows[0])], lineterminator="\n")
         writer.writeheader()
         for row in rows:
             shown = {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in asdict(row).items()}
-            writer.writerow({**here, **shown})
+            writer.writerow({**facts, **shown})
     title, label, known = SHOWN[name]
     check = references.check(known) if known else None
     diagram.draw(rows, title, label, check, file.with_suffix(".png"))
@@ -123,14 +120,7 @@ def main():
     args = options()
     if args.child:
         child(args.child, args.quick)
-    here = dict(
-        date=datetime.date.today().isoformat(),
-        commit=code(),
-        yade=config.version,
-        python=platform.python_version(),
-        machine=machine(),
-    )
-    print("\n".join(f"{key:10}{value}" for key, value in here.items()), flush=True)
+    facts = here()
     if args.references:
         for module in (smooth, nets):
             references.store(module.makeReferences())
@@ -146,7 +136,7 @@ def main():
                 flush=True,
             )
         if not args.quick:
-            save(name, rows, here)
+            save(name, rows, facts)
 
 
 if __name__ == "__main__":
