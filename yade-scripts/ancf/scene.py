@@ -115,8 +115,18 @@ def engines(
             ],
         ),
         *cable,
-        wrapper.CableNewton(damping=0, gravity=Vector3(*gravity)),
+        _newton(gravity),
     ]
+
+
+def _newton(gravity):
+    """Moves bodies, undamped, and aspherical ones so that they keep their angular momentum to the
+    last bit: as YADE 2023.02a does always, and newer ones by this algorithm.
+    """
+    newton = wrapper.CableNewton(damping=0, gravity=Vector3(*gravity))
+    if hasattr(newton, "rotAlgorithm"):
+        newton.rotAlgorithm = "Fincham1992"
+    return newton
 
 
 def _choice(engine):
