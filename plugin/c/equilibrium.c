@@ -1,6 +1,5 @@
 #include "ancf/equilibrium.h"
 #include "ancf/elastic.h"
-#include "ancf/step.h"
 #include "internal.h"
 #include "settle.h"
 
@@ -156,7 +155,7 @@ ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations, anc
             if (needed > stiffening || needed < 0.5 * stiffening) fictitious_mass(mass, m, stiffening = needed);
         }
         memcpy(before, m->f, field * sizeof *before);
-        ancf_acceleration(m, m->x, still);
+        ancf_total_force(m, m->x, still);
         const int pairs = rest ? ancf_rest_look(rest, m, rate) : 0;
         if (pairs < 0) return ANCF_E_MEMORY;
         if (pairs > 0) touch(m, rest, near, mass, rate);

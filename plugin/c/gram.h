@@ -26,6 +26,14 @@ static inline ancf_rule ancf_rule_of(int kind) {
                                      : (ancf_rule) {1.0 / 14.0, 3.0 / 10.0, 9.0 / 70.0};
 }
 
+// How bending is counted.
+typedef enum { ANCF_STRAIGHT, ANCF_FAST, ANCF_EXACT, ANCF_BENDINGS } ancf_bending;
+
+static inline ancf_bending ancf_bending_of(int kind, bool bending) {
+    if (!bending) return ANCF_STRAIGHT;
+    return kind & ANCF_CURVATURE_EXACT ? ANCF_EXACT : ANCF_FAST;
+}
+
 ANCF_INLINE double ancf_inner(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 ANCF_INLINE void ancf_gram(double G[ANCF_GRAM], const double d[3], const double q[3], const double k[3]) {

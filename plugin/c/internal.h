@@ -28,6 +28,9 @@ void ancf_model_weights(double S[4], const ancf_model* m, int element, double xi
 void ancf_model_mean_weights(double S[4], const ancf_model* m, int element, const double power[3]);
 void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, double xi); // in dr/dxi
 
+// m->f = all forces but contact at a state.
+void ancf_total_force(ancf_model* m, const double* x, const double* v);
+
 // Adds m->external and gravity to the forces of elements, and joins them.
 void ancf_add_loads(const ancf_model* m, double* force);
 

@@ -47,8 +47,6 @@ ANCF_INLINE void bend_exact(double h[ANCF_GRAM], const double G[ANCF_GRAM], cons
     }
 }
 
-enum { STRAIGHT, FAST, EXACT };
-
 // d, q and k of an element from its way and end slopes, or their rates.
 ANCF_INLINE void vectors_of(double d[3], double q[3], double k[3], const double* const way[3],
                             const double* const g0[3], const double* const g1[3], const double* inv_length, int e) {
@@ -75,12 +73,12 @@ ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bendin
             for (int i = 0; i < ANCF_GRAM; ++i) at[i] += K.eta[e] * rate[i];
         }
         ancf_axial(h, at, &rule, K.ea[e], 1.0);
-        if (bending == FAST) {
+        if (bending == ANCF_FAST) {
             h[ANCF_QQ] += 0.5 * K.ei[e];
             h[ANCF_KK] += 1.5 * K.ei[e];
             if (damped) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
         }
-        if (bending == EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 1.0);
+        if (bending == ANCF_EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 1.0);
         for (int c = 0; c < 3; ++c) {
             const double on_d = 2.0 * h[ANCF_DD] * d[c] + h[ANCF_DQ] * q[c] + h[ANCF_DK] * k[c],
                          on_q = 2.0 * h[ANCF_QQ] * q[c] + h[ANCF_DQ] * d[c] + h[ANCF_QK] * k[c],
@@ -97,12 +95,12 @@ ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bendin
     ANCF_CLONES static void name(const ancf_fields* fields, const ancf_rule* rule) {                                   \
         beam(fields, rule, bending, damped);                                                                           \
     }
-ANCF_BEAM_KERNEL(straight, STRAIGHT, 0)
-ANCF_BEAM_KERNEL(straight_damped, STRAIGHT, 1)
-ANCF_BEAM_KERNEL(fast, FAST, 0)
-ANCF_BEAM_KERNEL(fast_damped, FAST, 1)
-ANCF_BEAM_KERNEL(exact, EXACT, 0)
-ANCF_BEAM_KERNEL(exact_damped, EXACT, 1)
+ANCF_BEAM_KERNEL(straight, ANCF_STRAIGHT, 0)
+ANCF_BEAM_KERNEL(straight_damped, ANCF_STRAIGHT, 1)
+ANCF_BEAM_KERNEL(fast, ANCF_FAST, 0)
+ANCF_BEAM_KERNEL(fast_damped, ANCF_FAST, 1)
+ANCF_BEAM_KERNEL(exact, ANCF_EXACT, 0)
+ANCF_BEAM_KERNEL(exact_damped, ANCF_EXACT, 1)
 
 // Tension-only spring and damper, k = EA/dl (Eq. 1), engineering strain |d| - 1.
 ANCF_CLONES static void spring(const ancf_fields* fields) {
@@ -132,10 +130,10 @@ void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped)
         spring(fields);
         return;
     }
-    static void (*const beams[3][2])(const ancf_fields*, const ancf_rule*) = {
+    static void (*const beams[ANCF_BENDINGS][2])(const ancf_fields*, const ancf_rule*) = {
         {straight, straight_damped}, {fast, fast_damped}, {exact, exact_damped}};
     const ancf_rule rule = ancf_rule_of(kind);
-    beams[!bending ? STRAIGHT : kind & ANCF_CURVATURE_EXACT ? EXACT : FAST][damped](fields, &rule);
+    beams[ancf_bending_of(kind, bending)][damped](fields, &rule);
 }
 
 // (L kappa)^2 at the 3 Gauss points, with their weights.
@@ -179,16 +177,16 @@ ANCF_INLINE void account_of(ancf_account* account, const ancf_fields* fields, co
         vectors_of(d, q, k, K.way, K.g0, K.g1, K.inv_length, e);
         ancf_gram(G, d, q, k);
         of.axial[e] = ancf_axial_energy(G, &rule, K.ea[e]);
-        if (bending == FAST) of.bending[e] = 0.5 * K.ei[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
-        if (bending == EXACT) of.bending[e] = 0.5 * K.ei[e] * exact_curvature2(G);
+        if (bending == ANCF_FAST) of.bending[e] = 0.5 * K.ei[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
+        if (bending == ANCF_EXACT) of.bending[e] = 0.5 * K.ei[e] * exact_curvature2(G);
         if (damped) {
             double dv[3], qv[3], kv[3], rate[ANCF_GRAM], stress[ANCF_GRAM], h[ANCF_GRAM];
             vectors_of(dv, qv, kv, K.wayv, K.g0v, K.g1v, K.inv_length, e);
             ancf_gram_rate(rate, d, q, k, dv, qv, kv);
             for (int i = 0; i < ANCF_GRAM; ++i) stress[i] = K.eta[e] * rate[i];
             ancf_axial(h, stress, &rule, K.ea[e], 0.0);
-            if (bending == FAST) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
-            if (bending == EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 0.0);
+            if (bending == ANCF_FAST) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
+            if (bending == ANCF_EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 0.0);
             of.before[e] = -product_of(h, rate);
             vectors_of(dv, qv, kv, U.wayv, U.g0v, U.g1v, K.inv_length, e);
             ancf_gram_rate(rate, d, q, k, dv, qv, kv);
@@ -196,7 +194,7 @@ ANCF_INLINE void account_of(ancf_account* account, const ancf_fields* fields, co
         }
     }
     *account = (ancf_account) {.axial = sum_of(of.axial, K.n),
-                               .bending = bending == STRAIGHT ? 0.0 : sum_of(of.bending, K.n),
+                               .bending = bending == ANCF_STRAIGHT ? 0.0 : sum_of(of.bending, K.n),
                                .before = damped ? sum_of(of.before, K.n) : 0.0,
                                .after = damped ? sum_of(of.after, K.n) : 0.0};
 }
@@ -206,12 +204,12 @@ ANCF_INLINE void account_of(ancf_account* account, const ancf_fields* fields, co
                                  const ancf_rule* rule) {                                                              \
         account_of(account, fields, after, rule, bending, damped);                                                     \
     }
-ANCF_ACCOUNT(account_straight, STRAIGHT, 0)
-ANCF_ACCOUNT(account_straight_damped, STRAIGHT, 1)
-ANCF_ACCOUNT(account_fast, FAST, 0)
-ANCF_ACCOUNT(account_fast_damped, FAST, 1)
-ANCF_ACCOUNT(account_exact, EXACT, 0)
-ANCF_ACCOUNT(account_exact_damped, EXACT, 1)
+ANCF_ACCOUNT(account_straight, ANCF_STRAIGHT, 0)
+ANCF_ACCOUNT(account_straight_damped, ANCF_STRAIGHT, 1)
+ANCF_ACCOUNT(account_fast, ANCF_FAST, 0)
+ANCF_ACCOUNT(account_fast_damped, ANCF_FAST, 1)
+ANCF_ACCOUNT(account_exact, ANCF_EXACT, 0)
+ANCF_ACCOUNT(account_exact_damped, ANCF_EXACT, 1)
 
 ANCF_CLONES static void account_spring(ancf_account* account, const ancf_fields* fields, const ancf_fields* later) {
     const ancf_fields K = *fields, U = later ? *later : *fields;
@@ -238,14 +236,11 @@ ANCF_CLONES static void account_spring(ancf_account* account, const ancf_fields*
 
 void ancf_kernel_account(ancf_account* account, const ancf_fields* fields, const ancf_fields* after, int kind,
                          bool bending) {
-    static void (*const beams[3][2])(ancf_account*, const ancf_fields*, const ancf_fields*,
-                                     const ancf_rule*) = {{account_straight, account_straight_damped},
-                                                          {account_fast, account_fast_damped},
-                                                          {account_exact, account_exact_damped}};
+    static void (*const beams[ANCF_BENDINGS][2])(ancf_account*, const ancf_fields*, const ancf_fields*,
+                                                 const ancf_rule*) = {{account_straight, account_straight_damped},
+                                                                      {account_fast, account_fast_damped},
+                                                                      {account_exact, account_exact_damped}};
     const ancf_rule rule = ancf_rule_of(kind);
     if (kind & ANCF_SPRING) account_spring(account, fields, after);
-    else
-        beams[!bending                      ? STRAIGHT
-              : kind & ANCF_CURVATURE_EXACT ? EXACT
-                                            : FAST][after != NULL](account, fields, after, &rule);
+    else beams[ancf_bending_of(kind, bending)][after != NULL](account, fields, after, &rule);
 }

@@ -2,7 +2,6 @@
 #include "ancf/balance.h"
 #include "ancf/elastic.h"
 #include "ancf/stability.h"
-#include "ancf/step.h"
 #include "internal.h"
 #include "stiffness.h"
 
@@ -48,12 +47,12 @@ static int go(ancf_model* m, const double* change, double* before, const double*
     memcpy(before, m->x, 3 * (size_t)m->stride * sizeof *before);
     for (int k = 0; k < HALVINGS; ++k, part *= 0.5) {
         for (int i = 0; i < 3 * m->stride; ++i) m->x[i] = before[i] + part * change[i];
-        ancf_acceleration(m, m->x, still);
+        ancf_total_force(m, m->x, still);
         *left = ancf_imbalance(m);
         if (potential(m) < energy || *left < 0.5 * force) return k;
     }
     memcpy(m->x, before, 3 * (size_t)m->stride * sizeof *before);
-    ancf_acceleration(m, m->x, still);
+    ancf_total_force(m, m->x, still);
     *left = force;
     return -1;
 }
@@ -64,7 +63,7 @@ static bool find(ancf_model* m, ancf_stiffness* s, double tolerance, ancf_rest* 
     const double w = highest_frequency(m), top = w * w;
     double mu = 1e-4 * top;
     if (rest && !ancf_rest_clear(rest, m, still)) return false;
-    ancf_acceleration(m, m->x, still);
+    ancf_total_force(m, m->x, still);
     double left = ancf_imbalance(m);
     for (int k = 0; k < ITERATIONS && mu < 1e3 * top; ++k) {
         if (left < tolerance) return true;

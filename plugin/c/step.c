@@ -22,14 +22,13 @@ void ancf_add_loads(const ancf_model* m, double* force) {
             add_scaled(force + c * m->stride, force + c * m->stride, m->gravity[c], m->weight, m->n_dof);
 }
 
-// m->f = all forces but contact at a state.
-static void total_force(ancf_model* m, const double* x, const double* v) {
+void ancf_total_force(ancf_model* m, const double* x, const double* v) {
     ancf_elastic_force(m, m->f, x, v);
     ancf_add_loads(m, m->f);
 }
 
 void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
-    total_force(m, x, v);
+    ancf_total_force(m, x, v);
     ancf_mass_solve(m, m->a, m->f);
 }
 
@@ -45,7 +44,7 @@ static void account(ancf_model* m) {
 void ancf_predict(ancf_model* m, const ancf_time* time) {
     const double kick = ancf_kick(time);
     ancf_held_accelerate(m, kick);
-    total_force(m, m->x, m->v);
+    ancf_total_force(m, m->x, m->v);
     ancf_mass_solve(m, m->a, m->f);
     add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
     ancf_held_set(m, m->free);

@@ -103,7 +103,7 @@ ANCF_INLINE void bend_fast_tangent(blocks* K, lane ei) {
     }
 }
 
-// The damping of damp_fast in elastic.c: force -1/2 EI/L eta (k.kv/k.k) w k at 2 Gauss points.
+// The damping of damp_fast in kernel.c: force -1/2 EI/L eta (k.kv/k.k) w k at 2 Gauss points.
 ANCF_INLINE void damp_fast_tangent(blocks* K, const vectors* q, lane ei_eta, const rules* by) {
     const double root3 = 1.7320508075688772;
     for (int p = 0; p < 2; ++p) {
@@ -140,7 +140,7 @@ ANCF_INLINE void curvature_hessian(hessian* H, const lane r[3], const lane k[3],
     for (int i = 0; i < 9; i += 4) H->rk[i] -= 2.0 * inv * R;
 }
 
-// q's gradient over (r', k), as in elastic.c; R and Q over P.
+// q's gradient over (r', k), as in kernel.c; R and Q over P.
 ANCF_INLINE void curvature_gradient(lane qr[3], lane qk[3], const lane r[3], const lane k[3], lane inv, lane R,
                                     lane Q) {
     for (int c = 0; c < 3; ++c) {
@@ -181,7 +181,7 @@ ANCF_INLINE void add_hessian(blocks* K, const double s[3], const double t[3], co
     }
 }
 
-// EI/2 int kappa^2 ds and its damping, whose force is -EI/L (1/2 + eta/4 (dq/dt)/q) grad q: bend_exact in elastic.c.
+// EI/2 int kappa^2 ds and its damping, whose force is -EI/L (1/2 + eta/4 (dq/dt)/q) grad q: bend_exact in kernel.c.
 ANCF_INLINE void bend_exact_tangent(blocks* K, const vectors* v, lane ei, lane eta, const rules* by, int damped) {
     for (int p = 0; p < 3; ++p) {
         double s[3], t[3];
@@ -223,7 +223,7 @@ ANCF_INLINE void bend_exact_tangent(blocks* K, const vectors* v, lane ei, lane e
     }
 }
 
-// Fields of a group of elements, at its first one.
+// Fields of a tile, at its first element.
 typedef struct {
     const int* ends; // (2 x n)
     const double *x[3], *g0[3], *g1[3], *v[3], *g0v[3], *g1v[3];
@@ -272,8 +272,6 @@ ANCF_INLINE void write_blocks(const kernel_fields* K, const blocks* B, int e, in
     }
 }
 
-enum { STRAIGHT, FAST, EXACT };
-
 ANCF_INLINE void beam_kernel(const kernel_fields* k, int points, int bending, int damped) {
     const kernel_fields K = *k;
     for (int e = 0; e < K.n; e += LANES) {
@@ -283,11 +281,11 @@ ANCF_INLINE void beam_kernel(const kernel_fields* k, int points, int bending, in
         read_vectors(&q, &K, e, count, damped);
         const lane ea = read_lanes(K.ea, e, count), ei = read_lanes(K.ei, e, count), eta = read_lanes(K.eta, e, count);
         axial_tangent(&B, &q, ea, eta, &K.by, points, damped);
-        if (bending == FAST) {
+        if (bending == ANCF_FAST) {
             bend_fast_tangent(&B, ei);
             if (damped) damp_fast_tangent(&B, &q, ei * eta, &K.by);
         }
-        if (bending == EXACT) bend_exact_tangent(&B, &q, ei, eta, &K.by, damped);
+        if (bending == ANCF_EXACT) bend_exact_tangent(&B, &q, ei, eta, &K.by, damped);
         write_blocks(&K, &B, e, count);
     }
 }
@@ -296,12 +294,12 @@ ANCF_INLINE void beam_kernel(const kernel_fields* k, int points, int bending, in
 #define ANCF_TANGENT_KERNEL(name, bending, damped)                                                                     \
     ANCF_CLONES static void name(const kernel_fields* k) { beam_kernel(k, 5, bending, damped); }                       \
     ANCF_CLONES static void name##_reduced(const kernel_fields* k) { beam_kernel(k, 3, bending, damped); }
-ANCF_TANGENT_KERNEL(straight, STRAIGHT, 0)
-ANCF_TANGENT_KERNEL(straight_damped, STRAIGHT, 1)
-ANCF_TANGENT_KERNEL(fast, FAST, 0)
-ANCF_TANGENT_KERNEL(fast_damped, FAST, 1)
-ANCF_TANGENT_KERNEL(exact, EXACT, 0)
-ANCF_TANGENT_KERNEL(exact_damped, EXACT, 1)
+ANCF_TANGENT_KERNEL(straight, ANCF_STRAIGHT, 0)
+ANCF_TANGENT_KERNEL(straight_damped, ANCF_STRAIGHT, 1)
+ANCF_TANGENT_KERNEL(fast, ANCF_FAST, 0)
+ANCF_TANGENT_KERNEL(fast_damped, ANCF_FAST, 1)
+ANCF_TANGENT_KERNEL(exact, ANCF_EXACT, 0)
+ANCF_TANGENT_KERNEL(exact_damped, ANCF_EXACT, 1)
 
 // Tension-only spring and damper: nothing where it is slack.
 static void spring_kernel(const kernel_fields* K) {
@@ -326,27 +324,26 @@ static void spring_kernel(const kernel_fields* K) {
     }
 }
 
-static void choose_kernel(const ancf_tile* g, const kernel_fields* k) {
-    static void (*const beam[3][2][2])(const kernel_fields*) = {
+static void choose_kernel(const ancf_tile* t, const kernel_fields* k) {
+    static void (*const beam[ANCF_BENDINGS][2][2])(const kernel_fields*) = {
         {{straight, straight_reduced}, {straight_damped, straight_damped_reduced}},
         {{fast, fast_reduced}, {fast_damped, fast_damped_reduced}},
         {{exact, exact_reduced}, {exact_damped, exact_damped_reduced}}};
-    const int bending = !g->bending ? STRAIGHT : g->kind & ANCF_CURVATURE_EXACT ? EXACT : FAST;
-    if (g->kind & ANCF_SPRING) spring_kernel(k);
-    else beam[bending][g->damped][(g->kind & ANCF_AXIAL_REDUCED) != 0](k);
+    if (t->kind & ANCF_SPRING) spring_kernel(k);
+    else beam[ancf_bending_of(t->kind, t->bending)][t->damped][(t->kind & ANCF_AXIAL_REDUCED) != 0](k);
 }
 
 void ancf_tangent(double* tangent, const ancf_model* m, const double* x, const double* v, double rate, bool definite) {
     for (int i = 0; i < m->n_tiles; ++i) {
-        const ancf_tile* g = &m->tile[i];
-        const int b = g->begin, start = m->n_nodes + b, end = start + m->n_elements;
+        const ancf_tile* t = &m->tile[i];
+        const int b = t->begin, start = m->n_nodes + b, end = start + m->n_elements;
         kernel_fields k = {.ends = m->ends + 2 * b,
                            .inv_length = m->inv_length + b,
                            .ea = m->ea_length + b,
                            .ei = m->ei_length + b,
                            .eta = m->damping + b,
                            .tangent = tangent + b * ANCF_TANGENT,
-                           .n = g->end - b,
+                           .n = t->end - b,
                            .by = {rate, definite ? 0.0 : 1.0, zero == (definite ? 1.0 : 0.0)}};
         for (int c = 0; c < 3; ++c) {
             const int block = c * m->stride;
@@ -357,6 +354,6 @@ void ancf_tangent(double* tangent, const ancf_model* m, const double* x, const d
             k.g0v[c] = v + block + start;
             k.g1v[c] = v + block + end;
         }
-        choose_kernel(g, &k);
+        choose_kernel(t, &k);
     }
 }

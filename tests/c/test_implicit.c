@@ -150,14 +150,20 @@ static void second_order(void** state) {
     }
 }
 
+// A net with heavy corners, its state shaken.
+static built shaken_net(uint64_t* seed) {
+    built b = build_net(4, net_element(ANCF_CURVATURE_EXACT, 0.0));
+    b.mass[0] = b.mass[24] = 0.05;
+    build_shake(&b, b.x, 0.02, seed);
+    build_shake(&b, b.v, 0.1, seed);
+    return b;
+}
+
 // Free fall is exact, turning and all; momentum is constant in flight, whatever the step.
 static void momentum(void** state) {
     (void)state;
     uint64_t seed = 91;
-    built b = build_net(4, net_element(ANCF_CURVATURE_EXACT, 0.0));
-    b.mass[0] = b.mass[24] = 0.05;
-    build_shake(&b, b.x, 0.02, &seed);
-    build_shake(&b, b.v, 0.1, &seed);
+    built b = shaken_net(&seed);
     for (int i = 0; i < b.def.n_nodes; ++i) b.v[i] += 3.0;
     build_finish(&b);
     b.m->gravity[2] = -9.81;
@@ -303,10 +309,7 @@ static void compressed_elements(void** state) {
 static void violent_net(void** state) {
     (void)state;
     uint64_t seed = 93;
-    built b = build_net(4, net_element(ANCF_CURVATURE_EXACT, 0.0));
-    b.mass[0] = b.mass[24] = 0.05;
-    build_shake(&b, b.x, 0.02, &seed);
-    build_shake(&b, b.v, 0.1, &seed);
+    built b = shaken_net(&seed);
     build_finish(&b);
     stepper run = start(&b, 0.9);
     const double whole = energy_of(&b);

@@ -202,6 +202,16 @@ static void strip_of_many_elements(void** state) {
     }
 }
 
+// Lets a cable of n elements hang by its ends; what holds these.
+static void hang(double first[3], double last[3], built* b, int n) {
+    b->hold[0] = b->hold[n] = ANCF_HELD;
+    build_finish(b);
+    b->m->gravity[2] = -9.81;
+    assert_true(ancf_settle(b->m, 1e-9, NULL));
+    ancf_reaction(first, b->m, 0);
+    ancf_reaction(last, b->m, n);
+}
+
 // 10 m of a cable that hardly stretches (EA = 2e7 N), hinged over 8 m: rounding of its positions alone makes forces of
 // 1e-7 N. What holds it carries half its weight.
 static void stiff_hanging_cable(void** state) {
@@ -216,13 +226,8 @@ static void stiff_hanging_cable(void** state) {
             b.x[i] = i <= n ? span * s : 1.0 / unit;
             b.x[2 * b.stride + i] = i <= n ? -11.0 * s * (1.0 - s) : slope / unit;
         }
-        b.hold[0] = b.hold[n] = ANCF_HELD;
-        build_finish(&b);
-        b.m->gravity[2] = -9.81;
-        assert_true(ancf_settle(b.m, 1e-9, NULL));
         double first[3], last[3];
-        ancf_reaction(first, b.m, 0);
-        ancf_reaction(last, b.m, n);
+        hang(first, last, &b, n);
         assert_close(first[2], 0.5 * weight, 1e-7);
         assert_close(last[2], 0.5 * weight, 1e-7);
         assert_close(first[0], -last[0], 1e-7);
@@ -276,13 +281,8 @@ static void crumpled_start(void** state) {
         built b = build_cable(n, all, 1);
         for (int i = 0; i < b.n_dof; ++i) b.x[i] *= 0.8;
         build_shake(&b, b.x, 0.5, &seed);
-        b.hold[0] = b.hold[n] = ANCF_HELD;
-        build_finish(&b);
-        b.m->gravity[2] = -9.81;
-        assert_true(ancf_settle(b.m, 1e-9, NULL));
         double first[3], last[3];
-        ancf_reaction(first, b.m, 0);
-        ancf_reaction(last, b.m, n);
+        hang(first, last, &b, n);
         assert_close(first[2] + last[2], 1.2 * 10.0 * 9.81, 1e-7);
         assert_true(b.x[2 * b.stride + n / 2] < -1.0);
         build_free(&b);

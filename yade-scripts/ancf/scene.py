@@ -9,7 +9,7 @@ import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
-from .structure import ELEMENTS, Structure, cableEngines, checkMaterial
+from .structure import ELEMENTS, LUMPED, Structure, cableEngines, checkMaterial
 
 LAW_OPTIONS = {
     "normal": ("nonlinear", "hertz", "linear"),
@@ -151,20 +151,17 @@ def plan():
     """
     lines = []
     for engine in cableEngines():
-        lumped = sum(1 for kind in engine.kind if kind & 2)
-        mass = {0: "consistent mass", engine.nElements: "lumped mass"}.get(
-            lumped, f"mass of {lumped} lumped"
-        )
+        lumped, stable = sum(bool(kind & LUMPED) for kind in engine.kind), engine.criticalTimeStep()
         inside = 1
         if engine.integrator == "leapfrog":
-            inside = engine.substeps or max(1, math.ceil(O.dt / engine.criticalTimeStep() - 1e-9))
+            inside = engine.substeps or max(1, math.ceil(O.dt / stable - 1e-9))
         chosen, most, why = _choice(engine)
         if chosen == "leapfrog":
             chosen += f" with {most or 1} in an O.dt"
         lines.append(
-            f"CableEngine {engine.family}: {engine.nElements} elements, {mass}; {engine.integrator}, "
-            f"{inside} of its steps in O.dt = {O.dt:g} s, each stable up to {engine.criticalTimeStep():.3g} s with "
-            f"leapfrog; 'auto' would take {chosen}: {why}"
+            f"CableEngine {engine.family}: {engine.nElements} elements, {lumped} with lumped mass; "
+            f"{engine.integrator}, {inside} of its steps in O.dt = {O.dt:g} s, each stable up to {stable:.3g} s "
+            f"with leapfrog; 'auto' would take {chosen}: {why}"
         )
     return "\n".join(lines)
 
