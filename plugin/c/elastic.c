@@ -105,13 +105,25 @@ double ancf_tension(const ancf_model* m, int element, double xi) {
 
 double ancf_strain_max(const ancf_model* m, const double* x, int* element) {
     double largest = -1.0;
-    for (int e = 0; e < m->n_elements; ++e)
-        for (int p = 0; p < 3; ++p) {
-            const double strain = ancf_strain(m, x, e, 0.5 * p);
-            if (strain > largest) {
-                largest = strain;
-                *element = e;
-            }
+    const int starts = m->n_nodes, ends = m->n_nodes + m->n_elements;
+    for (int e = 0; e < m->n_elements; ++e) {
+        double start = 0.0, middle = 0.0, end = 0.0; // squares of |r'|
+        for (int c = 0; c < 3; ++c) {
+            const double* u = x + c * m->stride;
+            const double g0 = u[starts + e], g1 = u[ends + e];
+            const double d = (u[m->ends[2 * e + 1]] - u[m->ends[2 * e]]) * m->inv_length[e];
+            const double half = m->element[e].kind & ANCF_SPRING ? d : 1.5 * d - 0.25 * (g0 + g1);
+            start += g0 * g0;
+            middle += half * half;
+            end += g1 * g1;
         }
+        const bool spring = m->element[e].kind & ANCF_SPRING;
+        const double square = spring ? middle : fmax(fmax(start, end), middle);
+        const double strain = spring ? sqrt(square) - 1.0 : 0.5 * (square - 1.0);
+        if (strain > largest) {
+            largest = strain;
+            *element = e;
+        }
+    }
     return largest;
 }

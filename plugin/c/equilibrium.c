@@ -55,16 +55,18 @@ static double rounding(const ancf_model* m) {
 }
 
 double ancf_imbalance(const ancf_model* m) {
-    double residual = 0.0, largest = 0.0;
+    double residual = 0.0, largest = 0.0, sum = 0.0; // the sum shows what a largest value does not: not a number
     for (int c = 0; c < 3; ++c) {
         const double *f = m->f + c * m->stride, *external = m->external + c * m->stride;
         for (int i = 0; i < m->n_dof; ++i) {
             if (!m->hold[i]) residual = fmax(residual, fabs(f[i]) / unit_length(m, i));
+            sum += f[i];
             const double load = external[i] + m->gravity[c] * m->weight[i];
             largest = fmax(largest, fabs(load) / unit_length(m, i));
         }
     }
     for (int k = 0; k < 3 * m->n_elements; ++k) largest = fmax(largest, fabs(m->pull[k]));
+    if (!isfinite(sum)) return INFINITY;
     return largest > 0.0 ? fmax(residual - rounding(m), 0.0) / largest : 0.0;
 }
 

@@ -1,6 +1,7 @@
 #include "ancf/stability.h"
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
+#include "internal.h"
 
 #include <math.h>
 
@@ -77,4 +78,30 @@ double ancf_critical_step(const ancf_model* m, double strain, int* element) {
         }
     }
     return least;
+}
+
+double ancf_speed_spread(const ancf_model* m, const double* v) {
+    double spread = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        const double* u = v + c * m->stride;
+        double low = u[0], high = u[0];
+        for (int i = 1; i < m->n_nodes; ++i) {
+            low = u[i] < low ? u[i] : low;
+            high = u[i] > high ? u[i] : high;
+        }
+        if (high - low > spread) spread = high - low;
+    }
+    return spread;
+}
+
+ANCF_CLONES static double sum_of(const double* u, int n) {
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (int i = 0; i < n; ++i) sum += u[i];
+    return sum;
+}
+
+bool ancf_finite(const ancf_model* m, const double* x) {
+    return isfinite(sum_of(x, m->n_dof)) && isfinite(sum_of(x + m->stride, m->n_dof)) &&
+           isfinite(sum_of(x + 2 * m->stride, m->n_dof));
 }

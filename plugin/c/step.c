@@ -73,7 +73,9 @@ void ancf_rk4(ancf_model* m, double step) {
     memcpy(v0, m->v, field_size(m));
     memset(dx, 0, 2 * field_size(m));
     ancf_held_accelerate(m, step);
-    m->track = false; // its work is not counted, and m->work is taken
+    const bool track = m->track;
+    double damping = 0.0; // power of the Kelvin-Voigt forces
+    m->track = false;     // m->work is taken
     for (int s = 0; s < 4; ++s) {
         // v and m->a hold the rates of the stage before.
         for (int i = 0; i < n; ++i) {
@@ -82,6 +84,7 @@ void ancf_rk4(ancf_model* m, double step) {
         }
         for (int i = 0; i < n; ++i) v[i] = v0[i] + (s ? at[s] * step * m->a[i] : 0.0);
         ancf_acceleration(m, x, v);
+        if (track) damping += weight[s] * ancf_elastic_account(m, x, v, v).before;
         for (int i = 0; i < n; ++i) {
             dx[i] += weight[s] * v[i];
             dv[i] += weight[s] * m->a[i];
@@ -92,6 +95,7 @@ void ancf_rk4(ancf_model* m, double step) {
         m->v[i] = v0[i] + step * dv[i];
         m->a[i] = dv[i];
     }
+    m->damping_work -= step * damping;
 }
 
 void ancf_reaction(double force[3], const ancf_model* m, int dof) {

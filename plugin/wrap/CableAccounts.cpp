@@ -173,6 +173,8 @@ void CableEngine::relax(Real tolerance, int iterations) {
         refuse("relax: a body is carried off its centre or guided, and would have to turn: let the scene come to rest "
                "instead");
     if (const NewtonIntegrator* newton = newtonOf(s)) gravity = newton->gravity;
+    if (!gravity.allFinite())
+        refuse(text("relax: NewtonIntegrator.gravity = ", gravity.transpose(), ": must be finite"));
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
     loaded = true;
     std::fill_n(model->external, position.size(), 0);
@@ -181,10 +183,9 @@ void CableEngine::relax(Real tolerance, int iterations) {
     CableRest rest(*this);
     const vector<Real> before = position;
     const ancf_error error = ancf_equilibrium(model.get(), tolerance, iterations, rest.get());
-    if (error) refuse(text("relax: ", ancf_error_text(error)));
-    if (const string moved = rest.moved(); !moved.empty()) {
+    if (const string why = error ? ancf_error_text(error) : rest.moved(); !why.empty()) {
         std::copy(before.begin(), before.end(), position.begin());
-        refuse("relax: " + moved);
+        refuse("relax: " + why);
     }
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         State& state = *(*s.bodies)[carryIds[i]]->state;

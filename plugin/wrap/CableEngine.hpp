@@ -7,6 +7,7 @@
 #include <core/GlobalEngine.hpp>
 #include <core/Scene.hpp>
 
+#include <limits>
 #include <memory>
 
 extern "C" {
@@ -18,7 +19,8 @@ extern "C" {
 namespace yade {
 
 class CableEngine : public GlobalEngine {
-    static constexpr Real strainReserve = .1; // strain up to which automatic steps are stable
+    static constexpr Real strainReserve = .1; // strain up to which automatic steps are stable at least
+    static constexpr Real infinity = std::numeric_limits<Real>::infinity();
 
     friend class CableCheck;
     friend class CableContacts;
@@ -43,8 +45,14 @@ class CableEngine : public GlobalEngine {
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
     bool pairsChecked = false, partnersChecked = false;
-    long checkedIter = -1;
-    Real checkedStep = 0;
+    struct Looked {
+        Body::id_t id;
+        Real thickness; // what it must not move in a step [m], infinity if it can meet no cable
+    };
+    vector<Looked> lookedAt;
+    Real shortest = 0;       // length of an element [m]
+    Real watchedStep = 0;    // O.dt that was looked at [s]
+    long watchedBodies = -1; // so many bodies were looked at
     int lostIx = -1, elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1,
         pressIx = -1;
 
@@ -65,8 +73,17 @@ class CableEngine : public GlobalEngine {
     void checkScene() const;
     void checkBodies() const;
     void checkPartners();
-    void checkStep(int inside);
-    int stepsInside();
+    void startWatch();
+    void watch();
+    void setLimit();
+    Real strainGrowth(Real fastest) const;
+    void checkStep(int strained);
+    void checkBodyContacts(Real fastest) const;
+    void listBodies();
+    Real checkFinite() const;
+    [[noreturn]] void tellNode() const;
+    void tellBody(const Body& body) const;
+    int stepsInside() const;
     void getReady();
 
     void holdNodes();
@@ -181,6 +198,7 @@ public:
         ((Real, maxPenetration, 0, Attr::readonly, "Deepest penetration of a place so far [m]."))
         ((vector<int>, crossPairs, , Attr::hidden, "Contacts between cables that the next step remembers: element, element, segment."))
         ((vector<Real>, crossValues, , Attr::hidden, "Nine values of each: friction [N], places, late impulse [N s²], owed work [J]."))
+        ((vector<Real>, watched, , Attr::hidden, "Of the watch over the step: steps taken, those that look next, the bound of all strains and the strain that automatic steps have room for."))
         ((vector<Real>, openAccounts, , Attr::hidden, "Number of the last step with energies tracked, and what of it the next one counts: height, elastic energy, damping and friction of contacts, damping of cables, lift of bodies [J]."))
         ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
         ,

@@ -8,11 +8,6 @@
 
 #include <pkg/dem/NewtonIntegrator.hpp>
 
-extern "C" {
-#include "ancf/elastic.h"
-#include "ancf/stability.h"
-}
-
 namespace yade {
 
 // ---------------------------------------------------------------- getting ready
@@ -94,9 +89,7 @@ void CableEngine::build() {
     touching.build(*this);
     carriedForce.assign(carryNodes.size(), Vector3r::Zero());
     carryReaction.resize(carryNodes.size(), Vector3r::Zero());
-    checkedIter = -1;
-    int element;
-    substepLimit = ancf_critical_step(model.get(), strainReserve, &element);
+    startWatch();
 }
 
 // ---------------------------------------------------------------- one step
@@ -238,9 +231,9 @@ void CableEngine::action() {
     model->x = position.data();
     model->v = velocity.data();
     model->track = scene->trackEnergy;
-    const int inside = stepsInside();
-    checkStep(inside);
     if (const NewtonIntegrator* newton = newtonOf(*scene)) gravity = newton->gravity;
+    watch();
+    const int inside = stepsInside();
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
 
     eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });

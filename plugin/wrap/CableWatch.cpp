@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What a step must not be: unstable, not finite, or blind for pairs of bodies.
+// What a scene must not be: out of order, or blind for pairs of bodies.
 #include "CableEngine.hpp"
 
 #include "CableCheck.hpp"
@@ -9,18 +9,9 @@
 #include <lib/pyutil/gil.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
 
-extern "C" {
-#include "ancf/elastic.h"
-#include "ancf/stability.h"
-}
-
 #include <cmath>
 
 namespace yade {
-
-namespace {
-    constexpr long checkInterval = 100; // steps between two looks at the strain
-} // namespace
 
 // Pairs of bodies without functors, which YADE does not tell: the package's own check, in Python.
 void CableEngine::checkPairs() const {
@@ -104,40 +95,6 @@ py::list CableEngine::overlaps(Real part) {
     for (const Overlap& one : CableCheck(*this).overlaps(part))
         all.append(py::make_tuple(one.first, one.second, one.at, one.depth, one.radius));
     return all;
-}
-
-// Steps of the cable in this O.dt.
-int CableEngine::stepsInside() {
-    if (integrator != "leapfrog") return 1;
-    if (substeps > 0 || coupled()) return std::max(1, substeps);
-    return std::max(1, static_cast<int>(std::ceil(theScene().dt / substepLimit)));
-}
-
-// At the first step, when O.dt changes, and every checkInterval steps: is the step stable, the state finite?
-void CableEngine::checkStep(int inside) {
-    const Scene& s = theScene();
-    if (s.dt == checkedStep && checkedIter >= 0 && s.iter < checkedIter + checkInterval) return;
-    if (!(s.dt > 0) || !std::isfinite(s.dt)) refuse(text("O.dt = ", s.dt, ": must be above 0"));
-    int strained = 0, stiffest = 0;
-    const Real largest = ancf_strain_max(model.get(), model->x, &strained);
-    for (const Real value : position)
-        if (!std::isfinite(value))
-            refuse(text("the state is no longer finite at iteration ", s.iter, " (element ", strained,
-                        "): the step was too long, or a force not finite"));
-    const Real limit = ancf_critical_step(model.get(), largest, &stiffest), step = s.dt / inside;
-    if (integrator == "leapfrog" && step > 1.0000001 * limit)
-        refuse(text("at iteration ", s.iter, " the step of the cable ", step, " s is above the critical ", limit,
-                    " s of element ", stiffest, " (largest strain ", largest, " in element ", strained,
-                    "): use O.dt <= ", limit * inside, " or more substeps"));
-    checkedIter = s.iter;
-    checkedStep = s.dt;
-}
-
-Real CableEngine::criticalTimeStep() {
-    if (!model) build();
-    int element;
-    const Real strained = std::max(strainReserve, ancf_strain_max(model.get(), position.data(), &element));
-    return ancf_critical_step(model.get(), strained, &element);
 }
 
 } // namespace yade

@@ -378,12 +378,8 @@ namespace {
     }
 } // namespace
 
-Real Law2_ScGeom_HollarsPhys_Hollars::contactTimeStep(Real speed) const {
+Real contactTimeStep(const Scene& s, int normalKind, Real speed) {
     constexpr Real part = 1. / 7;
-    if (!(speed > 0 && std::isfinite(speed)))
-        throw std::invalid_argument("Law2_ScGeom_HollarsPhys_Hollars.contactTimeStep: speed = " +
-                                    std::to_string(speed) + ": must be finite and above 0 [m/s]");
-    const Scene& s = *Omega::instance().getScene();
     const vector<Kind> kinds = kindsOf(s);
     const mask_t avoided = apart(s);
     Real least = infinite;
@@ -404,6 +400,13 @@ Real Law2_ScGeom_HollarsPhys_Hollars::contactTimeStep(Real speed) const {
             if (phys.normalStiffness > 0) least = std::min(least, contactTime(phys.normalStiffness, n, speed, answer));
         }
     return part * least;
+}
+
+Real Law2_ScGeom_HollarsPhys_Hollars::contactTimeStep(Real speed) const {
+    if (!(speed > 0 && std::isfinite(speed)))
+        throw std::invalid_argument("Law2_ScGeom_HollarsPhys_Hollars.contactTimeStep: speed = " +
+                                    std::to_string(speed) + ": must be finite and above 0 [m/s]");
+    return yade::contactTimeStep(*Omega::instance().getScene(), normalKind, speed);
 }
 
 } // namespace yade

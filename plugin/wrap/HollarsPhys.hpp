@@ -100,6 +100,10 @@ public:
     void add(EnergyTracker& all, Real value);
 };
 
+// The step [s] for contacts of HollarsMat between bodies that meet at a speed [m/s], normal forces of a kind: a seventh
+// of the shortest contact; infinite if none can touch.
+Real contactTimeStep(const Scene& scene, int normalKind, Real speed);
+
 class Law2_ScGeom_HollarsPhys_Hollars : public LawFunctor {
     std::mutex mutex;
     std::atomic<long> begun {-1};        // the iteration for which beginStep ran

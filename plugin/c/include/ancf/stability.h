@@ -11,4 +11,11 @@ double ancf_element_frequency(const ancf_element* element);
 // sqrt(1 + 3 strain); *element is the one that sets it.
 double ancf_critical_step(const ancf_model* m, double strain, int* element);
 
+// Largest difference of the velocities of two nodes along an axis [m/s]: over the shortest length a bound on how fast
+// strains grow.
+double ancf_speed_spread(const ancf_model* m, const double* v);
+
+// All values of a field, and their sum, are numbers.
+bool ancf_finite(const ancf_model* m, const double* field);
+
 #endif
