@@ -123,8 +123,7 @@ def build(elements=ELEMENTS, points=CONTACT_POINTS, **changes):
         substeps=1,
         verletDist=0.01,
     )
-    # criticalTimeStep() leaves room for a strain of 0.1, which a fibre does not reach.
-    O.dt = 0.95 * cable.criticalTimeStep() * math.sqrt(1.3)
+    O.dt = 0.95 * cable.criticalTimeStep()
     guide.setMotion(drive, lambda t: 0.0)
     pulleys.settle(cable, 0.2)
     guide.setMotion(drive, motion)

@@ -47,9 +47,10 @@ class CableEngine : public GlobalEngine {
     bool pairsChecked = false, partnersChecked = false;
     struct Looked {
         Body::id_t id;
-        Real thickness; // what it must not move in a step [m], infinity if it can meet no cable
+        Real thickness; // what it moves in a step at most without passing by [m], infinity if it can meet no cable
     };
     vector<Looked> lookedAt;
+    bool fast = false;       // one of them may pass through a cable in a step
     Real shortest = 0;       // length of an element [m]
     Real watchedStep = 0;    // O.dt that was looked at [s]
     long watchedBodies = -1; // so many bodies were looked at
@@ -80,7 +81,7 @@ class CableEngine : public GlobalEngine {
     void checkStep(int strained);
     void checkBodyContacts(Real fastest) const;
     void listBodies();
-    Real checkFinite() const;
+    Real checkFinite();
     [[noreturn]] void tellNode() const;
     void tellBody(const Body& body) const;
     int stepsInside() const;

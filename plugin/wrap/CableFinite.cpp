@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What is no longer a number, told with what it came from, and what moves too far in a step to be met.
+// What is no longer a number, told with what it came from, and how fast bodies move.
 #include "CableEngine.hpp"
 
 #include "CableCheck.hpp"
@@ -20,9 +20,11 @@ extern "C" {
 namespace yade {
 
 namespace {
+    constexpr Real waysMost = 10; // of what a body is thick, that it may move in a step
+
     string valueOf(const Vector3r& v) { return text("(", v[0], ", ", v[1], ", ", v[2], ")"); }
 
-    // Half of what a body must move to pass through a line.
+    // Half of what a body must move to pass through a line [m].
     Real thicknessOf(const Body& body) {
         if (const auto* sphere = dynamic_cast<const Sphere*>(body.shape.get())) return sphere->radius;
         if (const auto* box = dynamic_cast<const Box*>(body.shape.get())) return box->extents.minCoeff();
@@ -40,11 +42,12 @@ void CableEngine::listBodies() {
             lookedAt.push_back({body->id, check.mayMeet(*body) ? thicknessOf(*body) + thinnest : infinity});
 }
 
-// Tells what is not finite; returns the largest speed of a body.
-Real CableEngine::checkFinite() const {
+// Tells what is not finite; returns the largest speed of a body. Sees whether one could pass through cables in a step.
+Real CableEngine::checkFinite() {
     const Scene& s = theScene();
     if (!ancf_finite(model.get(), position.data())) tellNode();
     Real fastest = 0;
+    fast = false;
     for (const Looked& one : lookedAt) {
         if (!s.bodies->exists(one.id)) continue;
         const Body& body = *(*s.bodies)[one.id];
@@ -53,10 +56,12 @@ Real CableEngine::checkFinite() const {
             tellBody(body);
         const Real speed = state.vel.norm();
         fastest = std::max(fastest, speed);
-        if (speed * s.dt > one.thickness)
+        const Real ways = speed * s.dt / one.thickness;
+        fast = fast || ways > 1;
+        if (ways > waysMost)
             refuse(text("at iteration ", s.iter, " body ", one.id, " moves ", speed * s.dt,
                         " m in a step, and could pass through cables without meeting them: use O.dt <= ",
-                        one.thickness / speed));
+                        s.dt * waysMost / ways));
     }
     return fastest;
 }

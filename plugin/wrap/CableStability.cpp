@@ -88,7 +88,8 @@ void CableEngine::watch() {
         checkStep(strained);
     }
     const Real left = (watched[ROOM] - watched[BOUND]) / (2 * std::max(growth, 1e-12));
-    watched[LOOK] = now + std::floor(std::min(lookInterval, std::max<Real>(1, left)));
+    watched[LOOK] = now + (fast ? 1 : std::floor(std::min(lookInterval, std::max<Real>(1, left))));
+    if (fast) theScene().doSort = true; // what it meets in the step ahead is found when the collider runs in each
     watchedStep = s.dt;
     watchedBodies = static_cast<long>(s.bodies->size());
 }

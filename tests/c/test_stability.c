@@ -161,12 +161,44 @@ static void strain_makes_the_step_shorter(void** state) {
     }
 }
 
+static void speeds_are_compared_along_axes(void** state) {
+    (void)state;
+    built b = build_net(4, net_element(ANCF_LUMPED, 0.0));
+    build_finish(&b);
+    const int n = b.def.n_nodes;
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < b.m->stride; ++i)
+            b.v[c * b.m->stride + i] = i < n ? 7000.0 + c : 1e9; // slopes do not count
+    assert_true(ancf_speed_spread(b.m, b.v) == 0.0);
+    b.v[0] -= 3.0;
+    b.v[n - 1] += 1.0;
+    b.v[b.m->stride + 2] += 3.5;
+    assert_close(ancf_speed_spread(b.m, b.v), 4.0, 1e-12);
+    build_free(&b);
+}
+
+static void any_value_that_is_no_number_is_seen(void** state) {
+    (void)state;
+    built b = build_net(4, net_element(ANCF_LUMPED, 0.0));
+    build_finish(&b);
+    assert_true(ancf_finite(b.m, b.x));
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < b.m->n_dof; ++i)
+            for (int k = 0; k < 3; ++k) {
+                double* value = &b.x[c * b.m->stride + i];
+                const double kept = *value;
+                *value = k == 0 ? NAN : k == 1 ? INFINITY : -INFINITY;
+                assert_false(ancf_finite(b.m, b.x));
+                *value = kept;
+            }
+    build_free(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(element_frequency_is_the_largest),
-        cmocka_unit_test(rule_by_hand),
-        cmocka_unit_test(rule_is_stable_and_tight),
-        cmocka_unit_test(strain_makes_the_step_shorter),
+        cmocka_unit_test(element_frequency_is_the_largest), cmocka_unit_test(rule_by_hand),
+        cmocka_unit_test(rule_is_stable_and_tight),         cmocka_unit_test(strain_makes_the_step_shorter),
+        cmocka_unit_test(speeds_are_compared_along_axes),   cmocka_unit_test(any_value_that_is_no_number_is_seen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

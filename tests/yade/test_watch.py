@@ -242,10 +242,33 @@ def test_step_of_contacts_between_bodies(scene):
     assert told == pytest.approx(good, rel=1e-5)
 
 
-def test_body_that_would_pass_in_a_step(scene):
+# From anywhere, by more than it is thick in a step: it is met in the step in which it would pass.
+@pytest.mark.parametrize("steps_ahead", [0.4, 1.7, 8.2, 20.2])
+@pytest.mark.parametrize("ratio", [1.5, 2, 4])
+def test_nothing_passes_in_a_step(scene, ratio, steps_ahead):
+    c = rope(elements=4, length=0.32, contactPoints=2)
+    c.fix(0)
+    c.fix(-1)
+    radius = 2.5e-3
+    O.engines = ancf.engines(c)
+    O.dt = c.criticalTimeStep()
+    way = ratio * (radius + c.radius)
+    shot = ball(
+        (0.13, 0, radius + c.radius + steps_ahead * way), radius, mass=1e-5, material="cable"
+    )
+    O.bodies[shot].state.vel = (0, 0, -way / O.dt)
+    for _ in range(math.ceil(steps_ahead) + 3):
+        O.step()
+        if c.engine.contacts:
+            break
+    assert c.engine.contacts > 0
+    assert O.bodies[shot].state.pos[2] > 0
+
+
+def test_body_too_fast_to_be_met(scene):
     c = rope(contactPoints=2)
     shot = ball((0.5, 0, 3), 0.02, mass=0.01, material="cable")
     O.engines = ancf.engines(c)
     O.dt = c.criticalTimeStep()
-    O.bodies[shot].state.vel = (0, 0, -1.2 * 0.022 / O.dt)
+    O.bodies[shot].state.vel = (0, 0, -12 * (0.02 + c.radius) / O.dt)
     assert refused(O.step, f"body {shot} moves") == pytest.approx(O.dt / 1.2, rel=1e-5)
