@@ -20,7 +20,9 @@ extern "C" {
 namespace yade {
 
 namespace {
-    constexpr Real waysMost = 10; // of what a body is thick, that it may move in a step
+    // What a body may move in a step, against its thickness: from outside it stays on its side until the middle of the
+    // step, where contacts are looked for.
+    constexpr Real waysMost = 2;
 
     string valueOf(const Vector3r& v) { return text("(", v[0], ", ", v[1], ", ", v[2], ")"); }
 

@@ -243,8 +243,8 @@ def test_step_of_contacts_between_bodies(scene):
 
 
 # From anywhere, by more than it is thick in a step: it is met in the step in which it would pass.
-@pytest.mark.parametrize("steps_ahead", [0.4, 1.7, 8.2, 20.2])
-@pytest.mark.parametrize("ratio", [1.5, 2, 4])
+@pytest.mark.parametrize("steps_ahead", [0.6, 1.7, 8.2, 20.51])
+@pytest.mark.parametrize("ratio", [1.1, 1.5, 1.99])
 def test_nothing_passes_in_a_step(scene, ratio, steps_ahead):
     c = rope(elements=4, length=0.32, contactPoints=2)
     c.fix(0)
@@ -270,5 +270,5 @@ def test_body_too_fast_to_be_met(scene):
     shot = ball((0.5, 0, 3), 0.02, mass=0.01, material="cable")
     O.engines = ancf.engines(c)
     O.dt = c.criticalTimeStep()
-    O.bodies[shot].state.vel = (0, 0, -12 * (0.02 + c.radius) / O.dt)
+    O.bodies[shot].state.vel = (0, 0, -2.4 * (0.02 + c.radius) / O.dt)
     assert refused(O.step, f"body {shot} moves") == pytest.approx(O.dt / 1.2, rel=1e-5)
