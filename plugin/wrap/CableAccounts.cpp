@@ -164,6 +164,7 @@ void CableEngine::relax(Real tolerance, int iterations) {
     if (!(tolerance > 0) || iterations < 1)
         throw std::invalid_argument(text("CableEngine.relax: tolerance = ", tolerance, ", iterations = ", iterations,
                                          ": both must be above 0"));
+    refuseWhileRunning("CableEngine.relax");
     Scene& s = theScene();
     build();
     const CableCheck check(*this);

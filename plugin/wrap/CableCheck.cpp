@@ -172,6 +172,9 @@ void CableCheck::partners(Body::id_t first) const {
         checkSolid(*body);
         checkMaterial(*body);
         checkMotion(*body);
+        if (const Vector3r& pos = body->state->pos; !std::isfinite(pos.sum()))
+            cable.refuse(text(nameOf(*body), " can meet cables, and its state.pos = (", pos[0], ", ", pos[1], ", ",
+                              pos[2], "): must be finite [m]"));
     }
 }
 

@@ -49,16 +49,32 @@ namespace {
 
 // ---------------------------------------------------------------- made, once
 
-void CableContacts::reset() {
+void CableContacts::reset(std::shared_ptr<const void> model) {
     table.reset();
-    boxes.reset();
     apart.reset();
-    motion.reset();
-    shown->model = nullptr;
-    shown->motion = nullptr;
-    shown->boxes = nullptr;
     awake.clear();
     outgrown = true;
+    if (!shown->model) return;
+    shown->outdated.store(true);
+    views.push_back(shown);
+    parts.insert(parts.end(), {std::move(boxes), std::move(motion)});
+    keep(std::move(model)); // all of it goes, if nobody reads
+    shown.reset(new CableView(inUse));
+}
+
+// Functors first say that they read, then look whether there is a new view; here it is the other way round.
+void CableContacts::keep(std::shared_ptr<const void> part) {
+    parts.push_back(std::move(part));
+    if (inUse->load()) return;
+    parts.clear();
+    for (const auto& view : views) vector<ancf_cover>().swap(view->cover);
+}
+
+void CableContacts::stepBegins() {
+    inUse->store(false);
+    if (views.empty() && parts.empty()) return;
+    parts.clear();
+    views.clear();
 }
 
 void CableContacts::makeCover(const CableEngine& cable) {
@@ -545,7 +561,7 @@ void CableContacts::track(Real& elastic, Real& damped, Real& rubbed) const {
 
 // ---------------------------------------------------------------- saved
 
-void CableContacts::keep(vector<int>& pairs, vector<Real>& values) const {
+void CableContacts::recall(vector<int>& pairs, vector<Real>& values) const {
     for (const ancf_memory& one : memory) {
         pairs.insert(pairs.end(), {one.first, one.second, one.segment});
         values.insert(values.end(), one.friction, one.friction + 3);

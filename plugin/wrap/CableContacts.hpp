@@ -40,7 +40,10 @@ class CableContacts {
         HollarsPhys* phys;
         int begin, end;
     };
-    shared_ptr<CableView> shown {new CableView};
+    shared_ptr<std::atomic<bool>> inUse {new std::atomic<bool>(false)}; // what is shown, by functors of this step
+    shared_ptr<CableView> shown {new CableView(inUse)};
+    vector<shared_ptr<CableView>> views;     // shown before, to those who may read them still
+    vector<std::shared_ptr<const void>> parts; // that those point to
     vector<int> awake;     // elements whose bodies are in interactions
     vector<Entry> entries; // by number of the body in the table
     vector<Row> rows;
@@ -76,7 +79,9 @@ class CableContacts {
 
 public:
     shared_ptr<const CableView> view() const { return shown; }
-    void reset(); // the model is gone
+    void reset(std::shared_ptr<const void> model); // which is no longer the engine's
+    void keep(std::shared_ptr<const void> part);   // until nobody reads it
+    void stepBegins();                             // of the engine: functors are through
     void build(CableEngine& cable);
 
     bool begin(const CableEngine& cable, int steps); // that the cable takes in O.dt; false: there is nothing to gather
@@ -84,7 +89,7 @@ public:
     void solve(CableEngine& cable, const ancf_time& time, int step, int steps); // one of the cable's in O.dt
     void give(CableEngine& cable, const ancf_time& time);
     void look(CableEngine& cable);                             // after the step: do the boxes hold?
-    void keep(vector<int>& pairs, vector<Real>& values) const; // what the next step remembers
+    void recall(vector<int>& pairs, vector<Real>& values) const; // what the next step remembers
     void remember(const vector<int>& pairs, const vector<Real>& values);
 
     const Real* newVelocity() const { return velocity; }

@@ -12,12 +12,21 @@ namespace yade {
 
 YADE_PLUGIN((CableElement)(Bo1_CableElement_Aabb))
 
-const CableView* CableElement::view(const Scene& scene) const {
-    if (seen && seen->model) return seen.get();
+const CableView* CableElement::newView(const Scene& scene) const {
     static std::mutex building; // functors run side by side
     const std::lock_guard<std::mutex> lock(building);
-    if (!seen || !seen->model) seen = CableEngine::viewOf(scene, family);
-    return seen && seen->model && element >= 0 && element < seen->model->n_elements ? seen.get() : nullptr;
+    const CableView* known = seen.load();
+    if (known && known->use()) return known;
+    const auto next = CableEngine::viewOf(scene, family);
+    seen.store(next.get());
+    kept = next; // the engine keeps the one before for those who read it still
+    return next.get();
+}
+
+const CableView* CableElement::view(const Scene& scene) const {
+    const CableView* known = seen.load();
+    if (!known || !known->use()) known = newView(scene);
+    return known && element >= 0 && element < known->model->n_elements ? known : nullptr;
 }
 
 void Bo1_CableElement_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r&, const Body*) {

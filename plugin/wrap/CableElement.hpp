@@ -25,8 +25,18 @@ struct Resting {
     Real wake = 0;                     // until their ways, the element's in all, and what is looked for are longer [m]
 };
 
-// What the bodies of an engine's elements read of it; empty until it is built.
+// What the bodies of an engine's elements read of it; empty until it is built. Where the engine changes while functors
+// read, in other threads, they go on with the one they have: it is kept until they are through.
 struct CableView {
+    explicit CableView(const shared_ptr<std::atomic<bool>>& flag) : inUse(flag) {}
+    // From now on until the engine's own step it is read. False: there is a new one.
+    bool use() const {
+        if (!inUse->load()) inUse->store(true);
+        return !outdated.load();
+    }
+
+    const shared_ptr<std::atomic<bool>> inUse; // this one, or others of the engine, in this step
+    std::atomic<bool> outdated {false};
     const ancf_model* model = nullptr;
     const ancf_boxes* boxes = nullptr;
     const ancf_motion* motion = nullptr;
@@ -40,7 +50,10 @@ struct CableView {
 };
 
 class CableElement : public Shape {
-    mutable shared_ptr<const CableView> seen;
+    mutable shared_ptr<const CableView> kept;              // what `seen` points to
+    mutable std::atomic<const CableView*> seen {nullptr}; // read by several threads
+
+    const CableView* newView(const Scene& scene) const;
 
 public:
     static constexpr int allHave = 1 << 29; // bit of groupMask by which the collider leaves pairs of elements out

@@ -4,6 +4,7 @@
 
 #include "CableNodes.hpp"
 #include "Drive.hpp"
+#include "Guard.hpp"
 #include "numbers.hpp"
 #include "text.hpp"
 
@@ -24,6 +25,7 @@ Scene& CableEngine::theScene() const { return *Omega::instance().getScene(); } /
 void CableEngine::refuse(const string& why) const { throw std::runtime_error(text("CableEngine ", family, ": ", why)); }
 
 shared_ptr<const CableView> CableEngine::viewOf(const Scene& scene, int family) {
+    const Guard guard;
     for (const auto& engine : scene.engines) {
         auto* cables = dynamic_cast<CableEngine*>(engine.get());
         if (!cables || cables->family != family) continue;
@@ -34,15 +36,85 @@ shared_ptr<const CableView> CableEngine::viewOf(const Scene& scene, int family) 
         } catch (const std::exception&) {
             return nullptr; // it tells in its own step
         }
-        return cables->touching.view();
+        const auto view = cables->touching.view();
+        view->use();
+        return view;
     }
     return nullptr;
 }
 
-void CableEngine::changed() {
-    touching.reset();
+// Functors of this step may read it, in other threads.
+void CableEngine::dropModel() {
+    touching.reset(std::move(model));
     implicit.reset();
-    model.reset();
+}
+
+// ---------------------------------------------------------------- engines of scenes that are gone
+
+namespace {
+    vector<CableEngine*>& allEngines() {
+        static auto* const all = new vector<CableEngine*>; // outlives the last engine
+        return *all;
+    }
+} // namespace
+
+CableEngine::Listed::Listed(CableEngine* one) : engine(one) {
+    const Guard guard;
+    allEngines().push_back(one);
+}
+
+CableEngine::Listed::~Listed() {
+    const Guard guard;
+    auto& all = allEngines();
+    all.erase(std::remove(all.begin(), all.end(), engine), all.end());
+}
+
+// YADE never frees engines that were in O.engines: those of scenes that are gone let go of what they hold.
+void CableEngine::atHome() {
+    const boost::weak_ptr<Scene> none;
+    home = Omega::instance().getScene();
+    for (CableEngine* engine : allEngines()) {
+        const bool began = engine->home.owner_before(none) || none.owner_before(engine->home);
+        if (began && engine->home.expired()) engine->forget();
+    }
+}
+
+void CableEngine::forget() {
+    changed();
+    touching = CableContacts();
+    home.reset();
+    for (vector<Real>* list : {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &radius,
+                               &arc, &closed, &crossValues, &openAccounts})
+        vector<Real>().swap(*list);
+    for (vector<int>* list :
+         {&ends,      &next,       &kind,        &elementIds,    &segments,  &points,     &structure, &selfContact,
+          &run,       &fixedNodes, &clampedEnds, &followNodes,   &followIds, &carryNodes, &carryIds,  &loadNodes,
+          &tiedNodes, &tiedTo,     &crossPairs,  &carrierOfBody, &standsFor, &driven})
+        vector<int>().swap(*list);
+    for (vector<Vector3r>* list : {&followAt, &carryAt, &loads, &carryReaction, &carriedForce})
+        vector<Vector3r>().swap(*list);
+    for (auto* list : {&carried, &followed}) vector<Held>().swap(*list);
+    vector<Shown>().swap(elementBodies);
+    nNodes = kickedNodes = kickedElements = 0;
+    lastStep = 0;
+}
+
+// ---------------------------------------------------------------- what it is made of
+
+void CableEngine::moveState(vector<Real>&& x, vector<Real>&& v) {
+    touching.keep(std::make_shared<const vector<Real>>(std::move(position)));
+    touching.keep(std::make_shared<const vector<Real>>(std::move(velocity)));
+    position = std::move(x);
+    velocity = std::move(v);
+}
+
+void CableEngine::updateAttributes(const py::dict& attributes) {
+    moveState(vector<Real>(position), vector<Real>(velocity));
+    pyUpdateAttrs(attributes);
+}
+
+void CableEngine::changed() {
+    dropModel();
     pairsChecked = partnersChecked = false;
     openAccounts.clear();
 }
@@ -56,9 +128,13 @@ namespace {
     }
 } // namespace
 
-void CableEngine::preSave(CableEngine&) { touching.keep(crossPairs, crossValues); }
+void CableEngine::preSave(CableEngine&) {
+    const Guard guard; // O.save may come while O.run goes on
+    touching.recall(crossPairs, crossValues);
+}
 
 void CableEngine::postSave(CableEngine&) {
+    const Guard guard;
     crossPairs.clear();
     crossValues.clear();
 }
@@ -67,6 +143,8 @@ void CableEngine::postLoad(CableEngine&) {
     normalKind = choose("normal", normal, {"linear", "hertz", "nonlinear"});
     frictionKind = choose("friction", friction, {"none", "coulomb", "hollars"});
     standsFor.clear();
+    carried.clear();
+    followed.clear();
     changed();
     if (crossPairs.empty()) return;
     touching.remember(crossPairs, crossValues);
@@ -106,6 +184,7 @@ namespace {
 py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlopes, const py::object& newEnds,
                            const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
                            Real newRhoA, Real newDamping) {
+    refuseWhileRunning("CableEngine.add");
     const Numbers<Real> nodes(newNodes, "CableEngine.add: nodes"), slopes(newSlopes, "CableEngine.add: slopes"),
         lengths(newLength, "CableEngine.add: length");
     const Numbers<int> endsOf(newEnds, "CableEngine.add: ends"), nextOf(newNext, "CableEngine.add: next");
@@ -144,8 +223,7 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
     if (error)
         throw std::invalid_argument(text("CableEngine.add: element or node ", where, ": ", ancf_error_text(error)));
 
-    position = std::move(x);
-    velocity = std::move(v);
+    moveState(std::move(x), std::move(v));
     for (const int k : endsOf) ends.push_back(firstNode + k);
     for (const int k : nextOf) next.push_back(k < 0 ? -1 : firstElement + k);
     kind.insert(kind.end(), e, newKind);
@@ -155,6 +233,7 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
     rhoA.insert(rhoA.end(), e, newRhoA);
     kelvinVoigt.insert(kelvinVoigt.end(), e, newDamping);
     nNodes = allNodes;
+    atHome();
     changed();
     return py::make_tuple(firstNode, firstElement);
 }
@@ -186,6 +265,7 @@ void CableEngine::cover(int first, Real thickness, int parts, bool fixedPlaces, 
 }
 
 vector<Body::id_t> CableEngine::addBodies(int first, const shared_ptr<Material>& material, int mask) {
+    refuseWhileRunning("CableEngine.addBodies");
     if (first < 0 || elementIds.size() != length.size())
         throw std::invalid_argument(text("CableEngine.addBodies: first = ", first, ": cover() was told of ",
                                          elementIds.size(), " of ", length.size(), " elements"));
@@ -230,6 +310,7 @@ void CableEngine::clamp(int element, int end) {
 }
 
 void CableEngine::follow(int node, Body::id_t id) {
+    refuseWhileRunning("CableEngine.follow");
     checkNode(node, "follow");
     checkUnclaimed(node = tied(node));
     const Body& body = bodyOf(theScene(), id, "follow");
@@ -243,6 +324,7 @@ void CableEngine::follow(int node, Body::id_t id) {
 }
 
 void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
+    refuseWhileRunning("CableEngine.carry");
     checkNode(node, "carry");
     checkUnclaimed(node = tied(node));
     const Body& body = bodyOf(theScene(), id, "carry");
@@ -368,6 +450,7 @@ void CableEngine::release(int node) {
     checkNode(node, "release");
     node = tied(node);
     fixedNodes.erase(std::remove(fixedNodes.begin(), fixedNodes.end(), node), fixedNodes.end());
+    followed.clear();
     for (size_t i = followNodes.size(); i-- > 0;)
         if (followNodes[i] == node) {
             followNodes.erase(followNodes.begin() + static_cast<long>(i));

@@ -3,9 +3,12 @@
 #pragma once
 
 #include "CableContacts.hpp"
+#include "Guard.hpp"
 
 #include <core/GlobalEngine.hpp>
 #include <core/Scene.hpp>
+
+#include <boost/weak_ptr.hpp>
 
 #include <limits>
 #include <memory>
@@ -38,7 +41,26 @@ class CableEngine : public GlobalEngine {
     CableContacts touching;
     mutable vector<int> standsFor; // (nodes) one nearer to that which stands for it, itself if it is that; see tied()
     vector<int> carrierOfBody;     // (bodies) number in carryNodes of a body that is centred on its knot, or -1
-    vector<Vector3r> carriedForce; // (carryNodes) on the body, without the cable [N]
+    struct Held {                  // a body that a node carries or follows, as it was when it was looked at last
+        boost::weak_ptr<Body> body;
+        const Body* at;
+        const State* state;
+        Real mass;
+        Vector3r inertia;
+        unsigned blocked;
+        Body::id_t clump;
+    };
+    vector<Held> carried, followed; // (carryNodes, followNodes)
+    struct Shown {                  // of an element: its body and that one's shape
+        const Body* body;
+        const Shape* shape;
+    };
+    mutable vector<Shown> elementBodies; // (elementIds) as they were when they were looked at last
+    uint64_t checkedSurroundings = 0;    // see SceneCheck::print; 0: not yet checked
+    vector<Body::id_t> driven;           // by the scene's drives when these were checked
+    int sinceChecked = 0;                // steps, for what is looked at from time to time
+    boost::weak_ptr<Scene> home;         // the scene it was last made ready in
+    vector<Vector3r> carriedForce;       // (carryNodes) on the body, without the cable [N]
     bool anyCoupled = false;
     bool loaded = false; // forces may stand in model->external
     int normalKind = 2, frictionKind = 2;
@@ -57,6 +79,16 @@ class CableEngine : public GlobalEngine {
     int lostIx = -1, elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1,
         pressIx = -1;
 
+    struct Listed { // in the list of all engines
+        explicit Listed(CableEngine* engine);
+        ~Listed();
+        Listed(const Listed&) = delete;
+        Listed& operator=(const Listed&) = delete;
+        CableEngine* engine;
+    } listed {this};
+
+    void atHome();
+    void forget();
     Scene& theScene() const;
     ancf_model* theModel() const { return model.get(); }
     [[noreturn]] void refuse(const string& text) const;
@@ -67,12 +99,20 @@ class CableEngine : public GlobalEngine {
     void checkRange(const char* what, int first, int n, int all) const;
     void checkUnclaimed(int node) const;
     void changed();
+    void dropModel();
+    void moveState(vector<Real>&& x, vector<Real>&& v);
     void makeModel();
     void makeImplicit();
     void mapBodies();
-    void checkPairs() const;
     void checkScene() const;
+    void checkDriven();
+    void checkSurroundings() const;
+    void checkStart();
     void checkBodies() const;
+    void lookAtBodies() const;
+    bool heldBodiesChanged();
+    bool lookAtHeldBodies();
+    void checkCarried(size_t i) const;
     void checkPartners();
     void startWatch();
     void watch();
@@ -89,8 +129,10 @@ class CableEngine : public GlobalEngine {
 
     void holdNodes();
     void gatherForces();
+    void gatherOnElements();
     void scatter();
     void startAfresh();
+    void startAppended();
     void stepExplicit(int inside);
     void stepImplicit();
     void noteEnergy(const ancf_time& time);
@@ -100,7 +142,9 @@ public:
     // What the elements' bodies of an engine of that family read; null if there is none or it cannot be built.
     static shared_ptr<const CableView> viewOf(const Scene& scene, int family);
 
+    ~CableEngine() override { dropModel(); }
     void action() override;
+    void updateAttributes(const py::dict& attributes);
     void preSave(CableEngine&);
     void postSave(CableEngine&);
     void postLoad(CableEngine&);
@@ -197,6 +241,8 @@ public:
         ((int, frictionUnsolved, 0, Attr::readonly, "Steps so far in which that was more than 0.1."))
         ((Vector3r, twistLeft, Vector3r::Zero(), Attr::readonly, "Moment of friction between cables that are nearly parallel, summed up over time: it would twist them, and a cable has no torsion to take it [N m s]."))
         ((Real, maxPenetration, 0, Attr::readonly, "Deepest penetration of a place so far [m]."))
+        ((int, kickedNodes, 0, Attr::hidden, "Nodes that have taken a step, the first ones."))
+        ((int, kickedElements, 0, Attr::hidden, "Elements that have taken a step."))
         ((vector<int>, crossPairs, , Attr::hidden, "Contacts between cables that the next step remembers: element, element, segment."))
         ((vector<Real>, crossValues, , Attr::hidden, "Nine values of each: friction [N], places, late impulse [N s²], owed work [J]."))
         ((vector<Real>, watched, , Attr::hidden, "Of the watch over the step: steps taken, those that look next, the bound of all strains and the strain that automatic steps have room for."))
@@ -238,6 +284,8 @@ public:
         .def("checkIntegrator", &CableEngine::checkIntegrator, "ValueError for what implicit steps cannot carry, if they are chosen: contact, and bodies off their centre. Done by ancf.engines() and at the first step.")
         .def("overlaps", &CableEngine::overlaps, (py::arg("part")), "What cables, and spheres that knots carry, overlap now by more than a part of the smaller radius: tuples of an element or carried sphere, a body, the place [m], the depth and the smaller radius [m].")
         .def("build", &CableEngine::build, "Checks everything and gets ready; done by itself at the first step.")
+        .def("updateAttrs", &CableEngine::updateAttributes, (py::arg("attributes")), "Sets attributes from a dict.")
+        .def(Guarded())
     )
     // clang-format on
     DECLARE_LOGGER;

@@ -8,6 +8,10 @@
 
 #include <pkg/dem/NewtonIntegrator.hpp>
 
+extern "C" {
+#include "ancf/mass.h"
+}
+
 namespace yade {
 
 // ---------------------------------------------------------------- getting ready
@@ -64,20 +68,11 @@ void CableEngine::mapBodies() {
         else anyCoupled = true;
 }
 
-const Body& CableEngine::elementBody(int element) const {
-    const Scene& s = theScene();
-    const Body::id_t id = elementIds[element];
-    if (!s.bodies->exists(id))
-        refuse(text(
-            "body ", id, " of element ", element,
-            " was erased: erase the whole cable with its engine, or make one that touches nothing (contactPoints=0)"));
-    return *(*s.bodies)[id];
-}
-
 void CableEngine::build() {
+    atHome();
     checkScene();
     checkBodies();
-    touching.reset();
+    dropModel();
     makeModel();
     loaded = false;
     checkIntegrator();
@@ -114,6 +109,24 @@ void CableEngine::holdNodes() {
     }
 }
 
+// A force that somebody put on an element's body acts along all of it, as its weight does.
+void CableEngine::gatherOnElements() {
+    for (int e = 0; e < static_cast<int>(elementIds.size()); ++e) {
+        if (elementIds[e] < 0) continue;
+        const Vector3r force = scene->forces.getForce(elementIds[e]);
+        if (scene->forces.getTorque(elementIds[e]) != Vector3r::Zero())
+            refuse(text("a torque acts on body ", elementIds[e], " of element ", e,
+                        ": a cable has no torsion to take it; put forces on its elements instead"));
+        if (force == Vector3r::Zero()) continue;
+        Real weight[4];
+        int dof[4];
+        ancf_mass_weight(weight, &model->element[e]);
+        ancf_model_dofs(dof, model.get(), e);
+        const Real mass = model->element[e].rho_a * model->element[e].length;
+        for (int k = 0; k < 4; ++k) addNode(model->external, model->stride, dof[k], weight[k] / mass * force);
+    }
+}
+
 // Loads on nodes, and what acts on carried bodies by others' engines and laws.
 void CableEngine::gatherForces() {
     const bool forces = anyForces(*scene);
@@ -126,6 +139,7 @@ void CableEngine::gatherForces() {
         return;
     }
     scene->forces.sync();
+    gatherOnElements();
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         Vector3r torque;
         forceOn(*scene, bodyOf(*scene, carryIds[i], "carry"), carriedForce[i], torque);
@@ -148,26 +162,6 @@ void CableEngine::scatter() {
         state.vel = nodeOf(implicit ? model->free : model->v, model->stride, carryNodes[i]); // the mean of the step
         state.pos = nodeOf(model->x, model->stride, carryNodes[i]) - scene->dt * state.vel;
     }
-}
-
-void CableEngine::getReady() {
-    const size_t known = carrierOfBody.size();
-    try {
-        if (pairsChecked) {
-            checkBodies();
-            if (known != scene->bodies->size()) {
-                CableCheck(*this).partners(static_cast<Body::id_t>(known));
-                checkIntegrator();
-            }
-        } else {
-            build(); // engines that drive bodies may have come since
-            checkPairs();
-        }
-    } catch (...) {
-        scene->doSort = true; // the collider may have seen no elements in this step
-        throw;
-    }
-    pairsChecked = true;
 }
 
 // Steps of the cable inside this one, and what touches in them.
@@ -225,7 +219,29 @@ void CableEngine::startAfresh() {
     lastStep = 0;
 }
 
+// What was appended to cables that move already has its velocities at the time of the positions: they go back by half
+// of the kick before, as at a start.
+void CableEngine::startAppended() {
+    const int n = nElements();
+    if (integrator == "leapfrog" && lastStep > 0 && (kickedNodes < nNodes || kickedElements < n)) {
+        ancf_acceleration(model.get(), model->x, model->v);
+        const auto goBack = [&](int first, int end) {
+            for (int c = 0; c < 3; ++c)
+                for (int i = c * model->stride + first; i < c * model->stride + end; ++i)
+                    model->v[i] -= lastStep / 2 * model->a[i];
+        };
+        goBack(kickedNodes, nNodes);
+        goBack(nNodes + kickedElements, nNodes + n);
+        goBack(nNodes + n + kickedElements, nNodes + 2 * n);
+    }
+    kickedNodes = nNodes;
+    kickedElements = n;
+}
+
 void CableEngine::action() {
+    const StepGuard guard;
+    touching.stepBegins();
+    eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); }); // may call Python, which may change the model
     getReady();
     startAfresh();
     model->x = position.data();
@@ -236,9 +252,9 @@ void CableEngine::action() {
     const int inside = stepsInside();
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
 
-    eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });
     holdNodes();
     gatherForces();
+    startAppended();
     if (implicit) stepImplicit();
     else stepExplicit(inside);
     if (scene->trackEnergy) trackEnergy();

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "Drive.hpp"
 
+#include <core/InteractionLoop.hpp>
+#include <core/Omega.hpp>
+#include <pkg/common/Collider.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
 
 #include <boost/weak_ptr.hpp>
@@ -10,34 +13,27 @@
 
 namespace yade {
 
-namespace {
-    struct Known {
-        vector<DriveEngine> drives;
-        vector<const NewtonIntegrator*> newtons; // the last one first
+const KnownEngines& knownEngines(const Scene& scene) {
+    thread_local vector<boost::weak_ptr<Engine>> seen; // weak: an engine's address may be used again
+    thread_local KnownEngines found;
+    const auto same = [](const boost::weak_ptr<Engine>& a, const shared_ptr<Engine>& b) {
+        return !a.owner_before(b) && !b.owner_before(a);
     };
-
-    const Known& knownOf(const Scene& scene) {
-        thread_local vector<boost::weak_ptr<Engine>> seen; // weak: an engine's address may be used again
-        thread_local Known found;
-        const auto same = [](const boost::weak_ptr<Engine>& a, const shared_ptr<Engine>& b) {
-            return !a.owner_before(b) && !b.owner_before(a);
-        };
-        if (std::equal(seen.begin(), seen.end(), scene.engines.begin(), scene.engines.end(), same)) return found;
-        seen.assign(scene.engines.begin(), scene.engines.end());
-        found = Known();
-        for (const auto& engine : scene.engines) {
-            if (auto* drive = dynamic_cast<Drive*>(engine.get())) found.drives.push_back({engine.get(), drive});
-            if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get()))
-                found.newtons.insert(found.newtons.begin(), newton);
-        }
-        return found;
+    if (std::equal(seen.begin(), seen.end(), scene.engines.begin(), scene.engines.end(), same)) return found;
+    seen.assign(scene.engines.begin(), scene.engines.end());
+    found = KnownEngines();
+    for (const auto& engine : scene.engines) {
+        if (auto* drive = dynamic_cast<Drive*>(engine.get())) found.drives.push_back({engine.get(), drive});
+        if (const auto* newton = dynamic_cast<const NewtonIntegrator*>(engine.get()))
+            found.newtons.insert(found.newtons.begin(), newton);
+        if (const auto* loop = dynamic_cast<const InteractionLoop*>(engine.get())) found.loops.push_back(loop);
+        if (const auto* collider = dynamic_cast<const Collider*>(engine.get())) found.colliders.push_back(collider);
     }
-} // namespace
-
-const vector<DriveEngine>& drivesOf(const Scene& scene) { return knownOf(scene).drives; }
+    return found;
+}
 
 const NewtonIntegrator* newtonOf(const Scene& scene) {
-    for (const NewtonIntegrator* newton : knownOf(scene).newtons)
+    for (const NewtonIntegrator* newton : knownEngines(scene).newtons)
         if (!newton->dead) return newton;
     return nullptr;
 }
@@ -85,11 +81,19 @@ namespace {
 Real Schedules::operator()(int number, Real time, const string& name) const {
     keepThreadState();
     gilLock lock;
+    // A scene that the function leaves has to live until the step that called it is over.
+    static auto* const left = new shared_ptr<Scene>;
+    const shared_ptr<Scene> scene = Omega::instance().getScene();
     Real value;
     try {
-        value = py::extract<Real>(functions.at(number)(time));
+        const py::object function = functions.at(number); // it may set another one
+        value = py::extract<Real>(function(time));
     } catch (const py::error_already_set&) {
         throw std::runtime_error(name + " at t = " + std::to_string(time) + ": " + pythonError());
+    }
+    if (Omega::instance().getScene() != scene) {
+        *left = scene;
+        throw std::runtime_error(name + " left the scene (O.reset, O.load or the like): do that between two steps");
     }
     if (!std::isfinite(value)) throw std::runtime_error(name + " at t = " + std::to_string(time) + " is not finite");
     return value;

@@ -8,10 +8,16 @@
 #include <lib/pyutil/gil.hpp>
 #include <lib/serialization/Serializable.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
+#include <stdexcept>
 
 namespace yade {
 
+class Collider;
+class InteractionLoop;
 class NewtonIntegrator;
 
 class Drive {
@@ -21,8 +27,9 @@ public:
     // Sets the velocities that are prescribed for the step ahead; nothing if that was done in this step.
     virtual void prepare(Scene& scene) = 0;
 
-    virtual bool turns(Body::id_t id) const = 0;  // its rotation is ours
-    virtual bool places(Body::id_t id) const = 0; // its translation is ours
+    virtual const vector<Body::id_t>& bodies() const = 0; // that it moves
+    virtual bool turns(Body::id_t id) const = 0;          // its rotation is ours
+    virtual bool places(Body::id_t id) const = 0;         // its translation is ours
 
     // Adds how a body of ours answers; nothing for others.
     virtual void addMobility(Mobility& m, const Scene& scene, const Body& body) const = 0;
@@ -39,10 +46,18 @@ struct DriveEngine {
     Drive* drive;
 };
 
-// Those of a scene. Remembered for as long as its engines stay the same: asked many times a step.
-const vector<DriveEngine>& drivesOf(const Scene& scene);
+// Engines of a scene by what they do. Remembered for as long as its list stays the same: asked many times a step.
+struct KnownEngines {
+    vector<DriveEngine> drives;
+    vector<const NewtonIntegrator*> newtons; // the last one first
+    vector<const InteractionLoop*> loops;
+    vector<const Collider*> colliders;
+};
+const KnownEngines& knownEngines(const Scene& scene);
 
-// Its last NewtonIntegrator that is not switched off, or null; remembered likewise.
+inline const vector<DriveEngine>& drivesOf(const Scene& scene) { return knownEngines(scene).drives; }
+
+// Its last NewtonIntegrator that is not switched off, or null.
 const NewtonIntegrator* newtonOf(const Scene& scene);
 
 template <class F> void eachDrive(const Scene& scene, F f) {
@@ -76,6 +91,26 @@ public:
     // Its value; std::runtime_error with `name` if it raises, or returns no finite number.
     Real operator()(int number, Real time, const string& name) const;
 };
+
+// Values at a time of the functions that drive the bodies `ids`, of(i) or null for each: called before a step has
+// changed anything, as they may change the scene. NaN where there is none. False: there are none at all.
+template <class Of> bool callAll(vector<Real>& values, const char* engine, const vector<int>& ids, Real time, Of of) {
+    const size_t n = ids.size();
+    values.assign(n, std::numeric_limits<Real>::quiet_NaN());
+    bool any = false;
+    for (size_t i = 0; i < std::min(n, ids.size()); ++i)
+        if (const Schedules* functions = of(i)) {
+            const string name = string(engine) + ", function of time of body " + std::to_string(ids[i]);
+            values[i] = (*functions)(static_cast<int>(i), time, name);
+            any = true;
+        }
+    for (size_t i = 0; i < ids.size(); ++i)
+        if (ids.size() != n || (of(i) && std::isnan(values[i])))
+            throw std::runtime_error(string(engine) +
+                                     ": a function of time added a body, or set the function of body " +
+                                     std::to_string(ids[i]) + ": do that between two steps, by a PyRunner");
+    return any;
+}
 
 // A number, or a function of time that is called once to see that it works.
 bool isFunction(const py::object& value);

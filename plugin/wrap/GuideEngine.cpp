@@ -48,6 +48,7 @@ Real GuideEngine::position(Body::id_t id) const { return place(static_cast<size_
 
 int GuideEngine::add(Body::id_t id, const Vector3r& newDirection, Real newFriction, Real newViscous, Real newLower,
                      Real newUpper, const py::object& motion) {
+    refuseWhileRunning("GuideEngine.add");
     const Scene& s = scene ? *scene : *Omega::instance().getScene();
     const string name = "GuideEngine.add: body " + std::to_string(id);
     const auto need = [&](bool good, const char* rule) {
@@ -126,14 +127,13 @@ void GuideEngine::prepare(Scene& s) {
     if (preparedIter == s.iter && numberOfBody.size() == s.bodies->size()) return;
     scene = &s;
     check();
+    vector<Real> distances;
+    if (callAll(distances, "GuideEngine", ids, s.time + s.dt, [&](size_t i) { return driven[i] ? &motions : nullptr; }))
+        check();
     preparedIter = s.iter;
     if (const NewtonIntegrator* newton = newtonOf(s)) gravity = newton->gravity;
-    for (size_t i = 0; i < ids.size(); ++i) {
-        if (!driven[i]) continue;
-        const Real x =
-            motions(static_cast<int>(i), s.time + s.dt, "GuideEngine, motion of body " + std::to_string(ids[i]));
-        (*s.bodies)[ids[i]]->state->vel = (x - place(i)) / s.dt * direction[i];
-    }
+    for (size_t i = 0; i < ids.size(); ++i)
+        if (driven[i]) (*s.bodies)[ids[i]]->state->vel = (distances[i] - place(i)) / s.dt * direction[i];
 }
 
 void GuideEngine::addMobility(Mobility& m, const Scene& s, const Body& body) const {
@@ -191,8 +191,10 @@ void GuideEngine::slide(size_t i) {
 }
 
 void GuideEngine::action() {
+    const StepGuard guard;
     prepare(*scene);
     for (size_t i = 0; i < ids.size(); ++i) slide(i);
+    preparedIter = -1; // O.resetTime() may let its number come again
 }
 
 } // namespace yade

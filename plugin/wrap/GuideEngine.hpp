@@ -3,6 +3,7 @@
 #pragma once
 
 #include "Drive.hpp"
+#include "Guard.hpp"
 
 #include <core/GlobalEngine.hpp>
 
@@ -32,6 +33,7 @@ class GuideEngine : public GlobalEngine, public Drive {
 public:
     void action() override;
     void prepare(Scene& scene) override;
+    const vector<Body::id_t>& bodies() const override { return ids; }
     bool turns(Body::id_t) const override { return false; }
     bool places(Body::id_t id) const override { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
     void addMobility(Mobility& m, const Scene& scene, const Body& body) const override;
@@ -70,6 +72,7 @@ public:
         .def("number", &GuideEngine::number, (py::arg("id")), "Number of a body in the lists. ValueError if it is not ours.")
         .def("position", &GuideEngine::position, (py::arg("id")), "Distance of a body from its origin [m].")
         .def("setMotion", &GuideEngine::setMotion, (py::arg("id"), py::arg("motion")), "Prescribes the distance from the origin [m] as a function of time; None: free.")
+        .def(Guarded())
     )
     // clang-format on
 };

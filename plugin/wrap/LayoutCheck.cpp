@@ -98,6 +98,20 @@ namespace {
         return std::memcmp(at, &plain, sizeof plain) == 0;
     }
 
+    bool safeRead(void* to, const void* from, size_t bytes) {
+        const iovec local {to, bytes}, remote {const_cast<void*>(from), bytes};
+        return process_vm_readv(getpid(), &local, 1, &remote, 1, 0) == static_cast<ssize_t>(bytes);
+    }
+
+    // A list of one.
+    template <class T> bool equalAt(const char* at, const std::vector<shared_ptr<T>>& value) {
+        const char* range[2];
+        const T* first;
+        std::memcpy(range, at, sizeof range);
+        return range[1] - range[0] == sizeof(value[0]) && safeRead(&first, range[0], sizeof first) &&
+               first == value[0].get();
+    }
+
     template <class T>
     bool attributeHolds(const std::string& className, const std::string& attribute, const T& value, long offset) {
         const auto object = make(className);
@@ -119,6 +133,14 @@ namespace {
         const T typed(value);
         facts.push_back({className + "." + attribute, offsetOf(member),
                          [=](long offset) { return attributeHolds<T>(className, attribute, typed, offset); }});
+    }
+
+    template <class C, class F> void addFunctors(Facts& facts, const std::string& className,
+                                                 std::vector<shared_ptr<F>> C::*member, const std::string& functor) {
+        facts.push_back({className + ".functors", offsetOf<C>(member), [=](long offset) {
+                             const std::vector<shared_ptr<F>> one {YADE_PTR_DYN_CAST<F>(make(functor))};
+                             return attributeHolds(className, "functors", one, offset);
+                         }});
     }
 
     // ---- vtables
@@ -166,11 +188,6 @@ namespace {
     }
 
     // ---- containers of the scene: the pointer at our offset must lead to an object with the right vtable
-
-    bool safeRead(void* to, const void* from, size_t bytes) {
-        const iovec local {to, bytes}, remote {const_cast<void*>(from), bytes};
-        return process_vm_readv(getpid(), &local, 1, &remote, 1, 0) == static_cast<ssize_t>(bytes);
-    }
 
     bool pointsTo(const std::string& className, const std::string& vtableSymbol, long offset) {
         const auto object = make(className);
@@ -283,6 +300,10 @@ namespace {
         addAttribute(f, "LawFunctor", "label", &LawFunctor::label, "short");
         addAttribute(f, "InteractionLoop", "loopOnSortedInteractions", &InteractionLoop::loopOnSortedInteractions,
                      true);
+        addFunctors(f, "BoundDispatcher", &BoundDispatcher::functors, "Bo1_Sphere_Aabb");
+        addFunctors(f, "IGeomDispatcher", &IGeomDispatcher::functors, "Ig2_Sphere_Sphere_ScGeom");
+        addFunctors(f, "IPhysDispatcher", &IPhysDispatcher::functors, "Ip2_FrictMat_FrictMat_FrictPhys");
+        addFunctors(f, "LawDispatcher", &LawDispatcher::functors, "Law2_ScGeom_FrictPhys_CundallStrack");
         addAttribute(f, "InsertionSortCollider", "avoidSelfInteractionMask",
                      &InsertionSortCollider::avoidSelfInteractionMask, 77);
         addAttribute(f, "InsertionSortCollider", "verletDist", &InsertionSortCollider::verletDist, 1.625);

@@ -43,6 +43,7 @@ int SheaveEngine::number(Body::id_t id) const {
 
 int SheaveEngine::add(Body::id_t id, Real newViscous, Real newDry, const py::object& newTorque,
                       const py::object& newSpeed) {
+    refuseWhileRunning("SheaveEngine.add");
     const Scene& s = scene ? *scene : *Omega::instance().getScene();
     const string name = "SheaveEngine.add: body " + std::to_string(id);
     if (!s.bodies->exists(id)) throw std::invalid_argument(name + " does not exist");
@@ -136,16 +137,18 @@ void SheaveEngine::prepare(Scene& s) {
     if (preparedIter == s.iter && numberOfBody.size() == s.bodies->size()) return;
     scene = &s;
     check();
+    vector<Real> values;
+    if (callAll(values, "SheaveEngine", ids, s.time + s.dt / 2, [&](size_t i) -> const Schedules* {
+            return scripted[i] == speedScript ? &speeds : scripted[i] == torqueScript ? &torques : nullptr;
+        }))
+        check();
     preparedIter = s.iter;
-    const Real middle = s.time + s.dt / 2;
     for (size_t i = 0; i < ids.size(); ++i) {
-        const int n = static_cast<int>(i);
-        const string name = "SheaveEngine, function of body " + std::to_string(ids[i]);
-        if (scripted[i] == torqueScript) torque[i] = torques(n, middle, name);
+        if (scripted[i] == torqueScript) torque[i] = values[i];
         if (!prescribed(i)) continue;
         State& state = *(*s.bodies)[ids[i]]->state;
         state.angMom[2] = state.angVel.dot(axis(state)); // the speed before, for turn()
-        state.angVel = (scripted[i] == speedScript ? speeds(n, middle, name) : speed[i]) * axis(state);
+        state.angVel = (scripted[i] == speedScript ? values[i] : speed[i]) * axis(state);
     }
 }
 
@@ -200,8 +203,10 @@ void SheaveEngine::turn(size_t i) {
 }
 
 void SheaveEngine::action() {
+    const StepGuard guard;
     prepare(*scene);
     for (size_t i = 0; i < ids.size(); ++i) turn(i);
+    preparedIter = -1; // O.resetTime() may let its number come again
 }
 
 } // namespace yade

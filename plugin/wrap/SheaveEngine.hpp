@@ -3,6 +3,7 @@
 #pragma once
 
 #include "Drive.hpp"
+#include "Guard.hpp"
 
 #include <core/GlobalEngine.hpp>
 
@@ -33,6 +34,7 @@ class SheaveEngine : public GlobalEngine, public Drive {
 public:
     void action() override;
     void prepare(Scene& scene) override;
+    const vector<Body::id_t>& bodies() const override { return ids; }
     bool turns(Body::id_t id) const override { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
     bool places(Body::id_t) const override { return false; }
     void addMobility(Mobility& m, const Scene& scene, const Body& body) const override;
@@ -68,6 +70,7 @@ public:
         .def("number", &SheaveEngine::number, (py::arg("id")), "Number of a body in the lists. ValueError if it is not ours.")
         .def("setSpeed", &SheaveEngine::setSpeed, (py::arg("id"), py::arg("speed")), "Prescribes the speed [rad/s]: a number, a function of time, or None (free).")
         .def("setTorque", &SheaveEngine::setTorque, (py::arg("id"), py::arg("torque")), "Sets the drive torque [N m]: a number or a function of time.")
+        .def(Guarded())
     )
     // clang-format on
 };

@@ -16,6 +16,7 @@ from .cables import Cable
 from .laying import curveLength
 from .structure import SPRING, Structure
 
+DEEPEST_START = 0.5  # of a cable in a sheave, in radii of the cable; more is refused
 COARSE = 0.1  # distance from the arc of a sheave that is warned of, in radii of the cable
 
 
@@ -439,7 +440,7 @@ def _checkStart(structure, sheaveId):
         for p, s in zip(span.curve(4), span.stations(4)):
             depth = shape.touch(back * (Vector3(*p) - body.state.pos), r)[0]
             near = near or depth > -2 * r
-            if depth > scene.DEEPEST_START * r:
+            if depth > DEEPEST_START * r:
                 raise ValueError(
                     f"{structure.name} starts {depth:.3g} m inside sheave {sheaveId} at s = {s:.4f} "
                     f"(its radius is {r:g} m): lay it further out, or with more elements"

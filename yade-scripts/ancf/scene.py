@@ -1,15 +1,12 @@
 """The scene around cables: complete engine lists, time steps, and checks before the first step."""
 
-import collections
-import itertools
 import math
-import warnings
 
 import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
-from .structure import ELEMENTS, LUMPED, Structure, cableEngines, checkMaterial
+from .structure import ELEMENTS, LUMPED, Structure, cableEngines
 
 LAW_OPTIONS = {
     "normal": ("nonlinear", "hertz", "linear"),
@@ -23,10 +20,6 @@ IMPLICIT_STEP = 1e-3  # [s]
 
 # What integrator='auto' goes by, from docs/precision.rst
 MOST_INSIDE = 40  # steps of leapfrog in an O.dt; more make it no cheaper, and implicit ones are
-
-# Overlap at the start, in the smaller radius of both
-DEEPEST_START = 0.5  # more is refused
-DEEP_START = 0.1  # more is warned of
 
 
 def engines(
@@ -251,21 +244,13 @@ def check():
     (CableEngine.check), the functors of all pairs of bodies that can meet, and at the start at what
     overlaps. Warns of what is legal but hardly meant.
     """
-    if O.periodic:
-        raise ValueError("O.periodic = True: cables do not know periodic cells; set it to False")
-    _checkOrder()
-    _checkCollider()
-    for body in _one(lambda b: b.material.id if b.material else None):
-        if isinstance(body.material, wrapper.HollarsMat):
-            checkMaterial(body.material)
-    for engine in cableEngines():
+    engines = cableEngines()
+    if not engines:
+        raise RuntimeError(
+            "O.engines has no CableEngine: use ancf.engines(), or append a cable or net"
+        )
+    for engine in engines:
         engine.check()
-    _checkFunctors()
-    _checkLaw()
-    for engine in cableEngines():
-        if O.iter == 0 or engine.lastStep == 0:
-            _checkLengths(engine)
-            _checkOverlaps(engine)
 
 
 def _checkFolded(net):
@@ -287,10 +272,6 @@ def _solids():
     return [b for b in O.bodies if isinstance(b.shape, (wrapper.Sphere, wrapper.Box))]
 
 
-def _isElement(body):
-    return isinstance(body.shape, wrapper.CableElement)
-
-
 def _halfSize(body):
     """Half the sides of a body's bounding box (3) [m]."""
     if isinstance(body.shape, wrapper.Sphere):
@@ -300,163 +281,12 @@ def _halfSize(body):
     return np.abs(turn) @ np.array(list(body.shape.extents))
 
 
-def _checkLengths(engine):
-    """Warns of elements that touch and are shorter than they are thick."""
-    bodies, lengths = engine.elementIds, engine.length
-    thick = [2 * r for r in engine.radius]
-    short = [e for e, i in enumerate(bodies) if i >= 0 and lengths[e] < (1 - 1e-9) * thick[e]]
-    if not short:
-        return
-    e = min(short, key=lambda e: lengths[e] / thick[e])
-    warnings.warn(
-        f"{_name(O.bodies[bodies[e]])} is {lengths[e]:.3g} m long, but {thick[e]:.3g} m thick, the worst of "
-        f"{len(short)} such elements of CableEngine {engine.family}: one body touches several of them at once, and "
-        "the contact is stiffer than its materials are; take fewer elements, or midPoints",
-        stacklevel=3,
-    )
-
-
-def _checkOverlaps(engine):
-    """Refuses cables, and what their knots carry, that start deep in something; warns of less."""
-    found = engine.overlaps(DEEP_START)
-    if not found:
-        return
-    first, second, at, depth, radius = max(found, key=lambda f: f[3] / f[4])
-    text = (
-        f"{_name(O.bodies[first])} and {_name(O.bodies[second])} start with an overlap of {depth:.3g} m "
-        f"at {tuple(at)}, {depth / radius:.0%} of the smaller radius {radius:g} m, the worst of {len(found)}"
-    )
-    remedy = "move one of them, or separate them by groupMask"
-    if depth > DEEPEST_START * radius:
-        raise ValueError(f"{text}: {remedy}")
-    warnings.warn(f"{text}, and spring apart unless they are at rest: {remedy}", stacklevel=3)
-
-
-def _checkLaw():
-    """Warns of laws of cables and of other bodies that differ."""
-    if not _place("InteractionLoop"):
-        return
-    law = _hollarsLaw()
-    for engine in cableEngines():
-        for name in LAW_OPTIONS:
-            mine, its = getattr(engine, name), getattr(law, name)
-            if mine != its:
-                warnings.warn(
-                    f"Law2_ScGeom_HollarsPhys_Hollars.{name} = {its!r}, but CableEngine.{name} = {mine!r}: the former "
-                    "does not reach contacts of cables; set both, or use ancf.engines(contact=...)",
-                    stacklevel=3,
-                )
-
-
 def _place(kind):
     """Places in O.engines of engines of a class."""
     return [i for i, e in enumerate(O.engines) if isinstance(e, getattr(wrapper, kind))]
 
 
-def _checkOrder():
-    order = ("ForceResetter", "InteractionLoop", "CableEngine", "NewtonIntegrator")
-    places = {kind: _place(kind) for kind in order}
-    for kind in order:
-        if not places[kind]:
-            raise RuntimeError(f"O.engines has no {kind}: add one; the order is {', '.join(order)}")
-    for first, second in itertools.pairwise(order):
-        if max(places[first]) > min(places[second]):
-            raise RuntimeError(
-                f"O.engines: {first} comes after {second}; the order is {', '.join(order)}"
-            )
-    damping = O.engines[places["NewtonIntegrator"][0]].damping
-    if damping:
-        warnings.warn(
-            f"NewtonIntegrator.damping = {damping!r}: bodies lose momentum without a cause; "
-            "set it to 0",
-            stacklevel=3,
-        )
-
-
-def _checkCollider():
-    for collider in (e for e in O.engines if isinstance(e, wrapper.InsertionSortCollider)):
-        if not collider.avoidSelfInteractionMask & ELEMENTS and any(
-            _isElement(b) for b in O.bodies
-        ):
-            warnings.warn(
-                f"InsertionSortCollider.avoidSelfInteractionMask = {collider.avoidSelfInteractionMask!r}: every "
-                "pair of cable elements that are near will be looked at in every step, for nothing; add "
-                f"{ELEMENTS}, or use ancf.engines()",
-                stacklevel=3,
-            )
-
-
-def _one(key):
-    """One body for each value of key(body), bodies without shape left out."""
-    found = {}
-    for body in O.bodies:
-        if body.shape and not body.isClump:
-            found.setdefault(key(body), body)
-    return list(found.values())
-
-
-def _kind(body):
-    moves = _isElement(body) or body.dynamic
-    return type(body.shape), type(body.material), body.groupMask, moves
-
-
-def _checkFunctors():
-    loops = [e for e in O.engines if isinstance(e, wrapper.InteractionLoop)]
-    bounds = [e.boundDispatcher for e in O.engines if isinstance(e, wrapper.Collider)]
-    bodies = _one(_kind)
-    for body in bodies:
-        if body.bounded and bounds and not any(b.dispFunctor(body.shape) for b in bounds):
-            name = type(body.shape).__name__
-            raise RuntimeError(
-                f"{_name(body)}: the collider has no Bo1 functor for a {name}; "
-                f"add Bo1_{name}_Aabb()"
-            )
-    many = collections.Counter(_kind(b) for b in O.bodies if b.shape and not b.isClump)
-    for a, b in itertools.combinations_with_replacement(bodies, 2):
-        if _canMeet(a, b) and (a is not b or many[_kind(a)] > 1):
-            _checkPair(loops[0], a, b)
-
-
 def _name(body):
     label = f" {body.material.label!r}" if body.material and body.material.label else ""
-    number = f" {body.shape.element}" if _isElement(body) else ""
     shape, material = type(body.shape).__name__, type(body.material).__name__
-    return f"body {body.id} ({shape}{number}, {material}{label})"
-
-
-def _canMeet(a, b):
-    if not (a.bounded and b.bounded and a.groupMask & b.groupMask):
-        return False
-    cables = [_isElement(x) for x in (a, b)]
-    if all(cables):
-        return False  # their engine finds these
-    return any(cables) or a.dynamic or b.dynamic
-
-
-def _functor(dispatcher, a, b):
-    return dispatcher.dispFunctor(a, b) or dispatcher.dispFunctor(b, a)
-
-
-def _checkPair(loop, a, b):
-    pair = f"{_name(a)} and {_name(b)}"
-    cable = any(_isElement(x) for x in (a, b))
-    geom = _functor(loop.geomDispatcher, a.shape, b.shape)
-    phys = _functor(loop.physDispatcher, a.material, b.material)
-    for functor, kind, remedy in ((geom, "Ig2", "shapes"), (phys, "Ip2", "materials")):
-        if not functor:
-            text = (
-                f"{pair} can meet, but InteractionLoop has no {kind} functor for their {remedy}: they "
-                "would pass through each other; use ancf.engines(), or separate them by groupMask"
-            )
-            if cable:
-                raise RuntimeError(text)
-            warnings.warn(text, stacklevel=5)
-            return
-    made = [type(f).__name__.split("_")[-1] for f in (geom, phys)]
-    samples = [getattr(wrapper, name, None) for name in made]
-    if None in samples or loop.lawDispatcher.dispFunctor(samples[0](), samples[1]()):
-        return
-    raise RuntimeError(
-        f"{pair} can meet, but InteractionLoop has no Law2 functor for {made[0]} and {made[1]}: "
-        "YADE would end at their first contact; add one, or use ancf.engines()"
-    )
+    return f"body {body.id} ({shape}, {material}{label})"

@@ -52,10 +52,36 @@ public:
     ANCF_PACKAGED(LawFunctor)
 };
 
-class BoundDispatcher;
-class IGeomDispatcher;
-class IPhysDispatcher;
-class LawDispatcher;
+// Of a dispatcher only the list of functors is read, and nobody makes one here.
+template <class FunctorType> class DispatchTable : public Dispatcher {
+    vector<shared_ptr<FunctorType>> callBacks; // by class, not to be touched, nor what else is told of them
+    vector<int> callBacksInfo;
+
+public:
+    DispatchTable() = delete;
+};
+
+class BoundDispatcher : public DispatchTable<BoundFunctor> {
+public:
+    vector<shared_ptr<BoundFunctor>> functors;
+};
+
+class IGeomDispatcher : public DispatchTable<IGeomFunctor> {
+    bool alreadyWarnedNoCollider;
+
+public:
+    vector<shared_ptr<IGeomFunctor>> functors;
+};
+
+class IPhysDispatcher : public DispatchTable<IPhysFunctor> {
+public:
+    vector<shared_ptr<IPhysFunctor>> functors;
+};
+
+class LawDispatcher : public DispatchTable<LawFunctor> {
+public:
+    vector<shared_ptr<LawFunctor>> functors;
+};
 
 } // namespace yade
 ANCF_PACKAGED_REGISTERED(BoundFunctor)

@@ -58,6 +58,19 @@ template <> inline constexpr bool seenByReference<Vector2i> = true;
 template <> inline constexpr bool seenByReference<Vector3i> = true;
 template <> inline constexpr bool seenByReference<Quaternionr> = true;
 
+// A value given from Python. Lists are read here: YADE's converter of them never gives their items back.
+template <class T> struct FromPython {
+    static T read(const py::object& value) { return py::extract<T>(value)(); }
+};
+template <class T> struct FromPython<vector<T>> {
+    static vector<T> read(const py::object& value) {
+        const py::ssize_t n = py::len(value);
+        vector<T> all;
+        for (py::ssize_t i = 0; i < n; ++i) all.push_back(FromPython<T>::read(value[i]));
+        return all;
+    }
+};
+
 template <class C, class T> py::object attributeGetter(T C::*member) {
     using ByValue = py::return_value_policy<py::return_by_value>;
     if constexpr (seenByReference<T>) return py::make_getter(member);
@@ -66,18 +79,17 @@ template <class C, class T> py::object attributeGetter(T C::*member) {
 
 // A value that postLoad refuses does not stay.
 template <class C, class T> py::object attributeSetter(T C::*member, int flags) {
-    if (!(flags & Attr::triggerPostLoad)) return py::make_setter(member);
-    auto set = [member](C& object, const T& value) {
-        T old = object.*member;
+    auto set = [member, flags](C& object, const py::object& given) {
+        T value = FromPython<T>::read(given), old = object.*member;
         object.*member = value;
         try {
-            object.callPostLoad();
+            if (flags & Attr::triggerPostLoad) object.callPostLoad();
         } catch (...) {
             object.*member = old;
             throw;
         }
     };
-    return py::make_function(set, py::default_call_policies(), boost::mpl::vector3<void, C&, const T&>());
+    return py::make_function(set, py::default_call_policies(), boost::mpl::vector3<void, C&, const py::object&>());
 }
 
 template <class PyClass, class C, class T>
@@ -131,7 +143,7 @@ inline py::docstring_options docstringOptions() { return py::docstring_options(t
     if (!(ANCF_FLAGS(a) & ::yade::Attr::noSave)) ar& boost::serialization::make_nvp(ANCF_NAME_STR(a), ANCF_NAME(a));
 #define ANCF_EACH_SET(r, data, a)                                                                                      \
     if (key == ANCF_NAME_STR(a)) {                                                                                     \
-        ANCF_NAME(a) = ::boost::python::extract<decltype(ANCF_NAME(a))>(value)();                                      \
+        ANCF_NAME(a) = ::yade::FromPython<decltype(ANCF_NAME(a))>::read(value);                                        \
         return;                                                                                                        \
     }
 #define ANCF_EACH_DICT(r, data, a)                                                                                     \
