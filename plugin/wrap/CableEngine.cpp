@@ -84,7 +84,7 @@ void CableEngine::forget() {
     touching = CableContacts();
     home.reset();
     for (vector<Real>* list : {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &radius,
-                               &arc, &closed, &crossValues, &openAccounts})
+                               &arc, &closed, &crossValues, &openAccounts, &watched})
         vector<Real>().swap(*list);
     for (vector<int>* list :
          {&ends,      &next,       &kind,        &elementIds,    &segments,  &points,     &structure, &selfContact,
@@ -95,6 +95,7 @@ void CableEngine::forget() {
         vector<Vector3r>().swap(*list);
     for (auto* list : {&carried, &followed}) vector<Held>().swap(*list);
     vector<Shown>().swap(elementBodies);
+    vector<Looked>().swap(lookedAt);
     nNodes = kickedNodes = kickedElements = 0;
     lastStep = 0;
 }
