@@ -513,8 +513,7 @@ def measured(name):
 def test_reset_gives_memory_back():
     """YADE itself never frees the engines of a scene: one of as many spheres is the measure."""
     ours, theirs = measured("growthOfNet"), measured("growthOfSpheres")
-    print(ours, theirs)
-    assert ours - theirs < 20e3
+    assert ours - theirs < 20e3, (ours, theirs)
 
 
 def test_lists_given_to_attributes_are_given_back():
