@@ -78,6 +78,7 @@ public:
     shared_ptr<const CableView> view() const { return shown; }
     void reset(); // the model is gone
     void build(CableEngine& cable);
+    void disturb(); // places or velocities were set from outside: nothing rests, boxes are new
 
     bool begin(const CableEngine& cable, int steps); // that the cable takes in O.dt; false: there is nothing to gather
     void gather(CableEngine& cable);

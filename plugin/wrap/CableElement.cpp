@@ -13,11 +13,14 @@ namespace yade {
 YADE_PLUGIN((CableElement)(Bo1_CableElement_Aabb))
 
 const CableView* CableElement::view(const Scene& scene) const {
-    if (seen && seen->model) return seen.get();
+    const auto known = [&] { // attributes can be edited by updateAttrs
+        return element >= 0 && element < seen->model->n_elements ? seen.get() : nullptr;
+    };
+    if (seen && seen->model) return known();
     static std::mutex building; // functors run side by side
     const std::lock_guard<std::mutex> lock(building);
     if (!seen || !seen->model) seen = CableEngine::viewOf(scene, family);
-    return seen && seen->model && element >= 0 && element < seen->model->n_elements ? seen.get() : nullptr;
+    return seen && seen->model ? known() : nullptr;
 }
 
 void Bo1_CableElement_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r&, const Body*) {

@@ -5,8 +5,15 @@
 #include "CableCheck.hpp"
 #include "CableNodes.hpp"
 #include "Drive.hpp"
+#include "LateError.hpp"
 
 #include <pkg/dem/NewtonIntegrator.hpp>
+
+extern "C" {
+#include "ancf/stability.h"
+}
+
+#include <array>
 
 namespace yade {
 
@@ -19,12 +26,14 @@ namespace {
     }
 } // namespace
 
+namespace {
+    int numberOf(const string& name, const std::array<const char*, 3>& names) {
+        return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+    }
+} // namespace
+
 void CableEngine::makeModel() {
-    const size_t n = static_cast<size_t>(nNodes), e = length.size(), size = 3 * static_cast<size_t>(getStride());
-    if (kind.size() != e || ea.size() != e || ei.size() != e || rhoA.size() != e || kelvinVoigt.size() != e)
-        refuse(text("kind, length, ea, ei, rhoA and kelvinVoigt must have one length, ", next.size()));
-    if (position.size() != size || velocity.size() != size)
-        refuse(text("position and velocity must have ", size, " entries, 3 blocks of stride"));
+    const size_t n = static_cast<size_t>(nNodes), e = length.size();
     vector<ancf_element> elements;
     for (size_t i = 0; i < e; ++i) elements.push_back({kind[i], length[i], ea[i], ei[i], rhoA[i], kelvinVoigt[i]});
     vector<Real> mass(n, 0);
@@ -64,20 +73,14 @@ void CableEngine::mapBodies() {
         else anyCoupled = true;
 }
 
-const Body& CableEngine::elementBody(int element) const {
-    const Scene& s = theScene();
-    const Body::id_t id = elementIds[element];
-    if (!s.bodies->exists(id))
-        refuse(text(
-            "body ", id, " of element ", element,
-            " was erased: erase the whole cable with its engine, or make one that touches nothing (contactPoints=0)"));
-    return *(*s.bodies)[id];
-}
-
 void CableEngine::build() {
+    needSound();
     checkScene();
     checkBodies();
+    checkHeldBodies();
     touching.reset();
+    normalKind = numberOf(normal, {"linear", "hertz", "nonlinear"});
+    frictionKind = numberOf(friction, {"none", "coulomb", "hollars"});
     makeModel();
     loaded = false;
     checkIntegrator();
@@ -85,6 +88,9 @@ void CableEngine::build() {
     if (anyCoupled && substeps > 1)
         refuse(text("substeps = ", substeps,
                     ": a body is carried off its centre or guided, which needs substeps = 1 or 0"));
+    int element;
+    const Real stable = ancf_critical_step(model.get(), strainReserve, &element);
+    checkCriticalStep(stable, element);
     elementIds.resize(length.size(), -1);
     touching.build(*this);
     carriedForce.assign(carryNodes.size(), Vector3r::Zero());
@@ -226,6 +232,7 @@ void CableEngine::startAfresh() {
 }
 
 void CableEngine::action() {
+    throwLate(*scene);
     getReady();
     startAfresh();
     model->x = position.data();

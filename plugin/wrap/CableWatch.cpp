@@ -32,11 +32,6 @@ void CableEngine::checkPairs() const {
 void CableEngine::checkScene() const {
     const Scene& s = theScene();
     if (s.isPeriodic) refuse("a periodic cell is not supported: set O.periodic = False");
-    if (integrator != "leapfrog" && integrator != "rk4" && integrator != "implicit")
-        refuse(text("integrator = '", integrator, "': must be 'leapfrog', 'implicit' or 'rk4'"));
-    if (!(spectralRadius >= 0 && spectralRadius <= 1))
-        refuse(text("spectralRadius = ", spectralRadius, ": must be from 0 to 1"));
-    if (substeps < 0) refuse(text("substeps = ", substeps, ": must be 0 (automatic) or more"));
     bool seen = false, moved = false;
     for (const auto& engine : s.engines) {
         if (engine.get() == this) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "Drive.hpp"
 
+#include "CableElement.hpp"
+
 #include <pkg/dem/NewtonIntegrator.hpp>
 
 #include <boost/weak_ptr.hpp>
@@ -40,6 +42,14 @@ const NewtonIntegrator* newtonOf(const Scene& scene) {
     for (const NewtonIntegrator* newton : knownOf(scene).newtons)
         if (!newton->dead) return newton;
     return nullptr;
+}
+
+void checkDriven(const Scene& scene, Body::id_t id, const string& name) {
+    if (!scene.bodies->exists(id)) throw std::invalid_argument(name + " does not exist");
+    const Body& body = *(*scene.bodies)[id];
+    if (CableElement::of(body)) throw std::invalid_argument(name + " is an element of a cable: hold its nodes instead");
+    if (body.isClumpMember())
+        throw std::invalid_argument(name + " is a clump's member: take the clump, " + std::to_string(body.clumpId));
 }
 
 Schedules::~Schedules() {

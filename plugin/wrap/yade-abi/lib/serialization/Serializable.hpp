@@ -64,7 +64,7 @@ template <class C, class T> py::object attributeGetter(T C::*member) {
     else return py::make_getter(member, ByValue());
 }
 
-// A value that postLoad refuses does not stay.
+// A value that postLoad refuses does not stay; the object is what it was before.
 template <class C, class T> py::object attributeSetter(T C::*member, int flags) {
     if (!(flags & Attr::triggerPostLoad)) return py::make_setter(member);
     auto set = [member](C& object, const T& value) {
@@ -74,6 +74,10 @@ template <class C, class T> py::object attributeSetter(T C::*member, int flags) 
             object.callPostLoad();
         } catch (...) {
             object.*member = old;
+            try {
+                object.callPostLoad();
+            } catch (const std::exception&) { // it was refused before, too
+            }
             throw;
         }
     };
