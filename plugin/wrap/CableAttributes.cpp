@@ -60,24 +60,28 @@ namespace {
         all.need(finite(c.maxPenetration), "maxPenetration", c.maxPenetration, "finite [m]");
     }
 
+    void checkField(const Attributes& all, const CableEngine& c, const char* name, const vector<Real>& field) {
+        const bool any = c.nNodes > 0 || !c.length.empty();
+        all.size(
+            name, field, any ? 3 * static_cast<size_t>(c.getStride()) : 0,
+            text("3 blocks of stride, for nNodes = ", c.nNodes, " and the ", c.length.size(), " values of length"));
+        all.finiteEach(name, field);
+    }
+
     void checkState(const Attributes& all, const CableEngine& c) {
         all.need(c.nNodes >= 0, "nNodes", c.nNodes, "0 or more");
-        const size_t e = c.length.size(), places = static_cast<size_t>(c.nNodes) + 2 * e;
-        if (places > static_cast<size_t>(std::numeric_limits<int>::max() / 8))
-            all.refuse("nNodes = ", c.nNodes, " with ", e, " elements: too many");
-        const size_t size = places == 0 ? 0 : 3 * static_cast<size_t>(c.getStride());
-        const string why = text("3 blocks of stride, for nNodes = ", c.nNodes, " and ", e, " elements");
-        all.size("position", c.position, size, why);
-        all.size("velocity", c.velocity, size, why);
-        all.finiteEach("position", c.position);
-        all.finiteEach("velocity", c.velocity);
+        if (static_cast<size_t>(c.nNodes) + 2 * c.length.size() >
+            static_cast<size_t>(std::numeric_limits<int>::max() / 8))
+            all.refuse("nNodes = ", c.nNodes, " with ", c.length.size(), " elements: too many");
+        checkField(all, c, "position", c.position);
+        checkField(all, c, "velocity", c.velocity);
         all.finiteEach("acceleration", c.acceleration);
     }
 
     void checkElements(const Attributes& all, const CableEngine& c) {
         const size_t n = c.length.size();
-        const string why = text("one for each of ", n, " elements, as length has");
-        all.size("ends", c.ends, 2 * n, text("two for each of ", n, " elements"));
+        const string why = "one for each value of length";
+        all.size("ends", c.ends, 2 * n, "two for each value of length");
         all.size("next", c.next, n, why);
         all.size("kind", c.kind, n, why);
         for (const auto& [name, list] : {std::pair("length", &c.length), std::pair("ea", &c.ea), std::pair("ei", &c.ei),
@@ -85,7 +89,7 @@ namespace {
             all.size(name, *list, n, why);
             all.finiteEach(name, *list);
         }
-        all.within("ends", c.ends, 0, c.nNodes, "a node");
+        all.within("ends", c.ends, 0, c.nNodes, "a node of nNodes");
         all.within("next", c.next, -1, static_cast<int>(n), "an element, or -1 for none");
         if (n == 0) return;
         vector<ancf_element> elements;
@@ -136,10 +140,9 @@ namespace {
     // What stands for a node must be a node that nothing stands for, in the end.
     void checkTies(const Attributes& all, const CableEngine& c) {
         all.size("tiedTo", c.tiedTo, c.tiedNodes.size(), "one for each of tiedNodes");
-        all.within("tiedNodes", c.tiedNodes, 0, c.nNodes, "a node");
-        all.within("tiedTo", c.tiedTo, 0, c.nNodes, "a node");
+        all.within("tiedNodes", c.tiedNodes, 0, c.nNodes, "a node of nNodes");
+        all.within("tiedTo", c.tiedTo, 0, c.nNodes, "a node of nNodes");
         all.distinct("tiedNodes", c.tiedNodes, "one node alone stands for another");
-        if (c.tiedNodes.empty()) return;
         vector<int> other(static_cast<size_t>(c.nNodes), -1), seen(other); // seen: by which walk
         for (size_t i = 0; i < c.tiedNodes.size(); ++i) other[c.tiedNodes[i]] = c.tiedTo[i];
         for (size_t i = 0; i < c.tiedNodes.size(); ++i)
@@ -153,12 +156,17 @@ namespace {
             if (other[c.ends[k]] >= 0)
                 all.refuse("ends[", k, "] = ", c.ends[k],
                            ": this node is in tiedNodes: must be the one that stands for it");
+        for (const int end : c.ends) other[end] = end;
+        for (int node = 0; node < c.nNodes; ++node)
+            if (other[node] < 0)
+                all.refuse("nNodes = ", c.nNodes, ": node ", node,
+                           " is neither in ends nor in tiedNodes: must be one of them");
     }
 
     // A node is one of these at most: fixed, follows a body, carries one, is tied to another node.
     void checkHolds(const Attributes& all, const CableEngine& c) {
         const int slopes = 2 * static_cast<int>(c.length.size());
-        all.within("fixedNodes", c.fixedNodes, 0, c.nNodes, "a node");
+        all.within("fixedNodes", c.fixedNodes, 0, c.nNodes, "a node of nNodes");
         all.within("clampedEnds", c.clampedEnds, 0, slopes, "2 element + end");
         all.distinct("clampedEnds", c.clampedEnds, "once is enough");
         for (const int end : c.clampedEnds)
@@ -167,17 +175,17 @@ namespace {
                            " is a spring, which has no slope");
         all.size("followIds", c.followIds, c.followNodes.size(), "one for each of followNodes");
         all.size("followAt", c.followAt, c.followNodes.size(), "one for each of followNodes");
-        all.within("followNodes", c.followNodes, 0, c.nNodes, "a node");
+        all.within("followNodes", c.followNodes, 0, c.nNodes, "a node of nNodes");
         all.finiteEach("followAt", c.followAt);
         all.size("carryIds", c.carryIds, c.carryNodes.size(), "one for each of carryNodes");
         all.size("carryAt", c.carryAt, c.carryNodes.size(), "one for each of carryNodes");
-        all.within("carryNodes", c.carryNodes, 0, c.nNodes, "a node");
+        all.within("carryNodes", c.carryNodes, 0, c.nNodes, "a node of nNodes");
         all.finiteEach("carryAt", c.carryAt);
         if (c.carryReaction.size() > c.carryNodes.size())
             all.size("carryReaction", c.carryReaction, c.carryNodes.size(), "one for each of carryNodes");
         all.finiteEach("carryReaction", c.carryReaction);
         all.size("loads", c.loads, c.loadNodes.size(), "one for each of loadNodes");
-        all.within("loadNodes", c.loadNodes, 0, c.nNodes, "a node");
+        all.within("loadNodes", c.loadNodes, 0, c.nNodes, "a node of nNodes");
         all.distinct("loadNodes", c.loadNodes, "one force on each");
         all.finiteEach("loads", c.loads);
         vector<const char*> claim(static_cast<size_t>(c.nNodes), nullptr);
@@ -238,6 +246,14 @@ const Body& CableEngine::heldBody(const char* what, Body::id_t id) const {
     return body;
 }
 
+const Body& CableEngine::followedBody(Body::id_t id) const {
+    const Body &body = heldBody("follow", id), &moved = movedBody(theScene(), body);
+    if (moved.isDynamic() && moved.state->blockedDOFs != State::DOF_ALL)
+        throw std::invalid_argument(
+            text("CableEngine.follow: body ", id, " moves freely and would not feel the cable: use carry"));
+    return body;
+}
+
 const Body& CableEngine::carriedBody(Body::id_t id) const {
     const Body& body = heldBody("carry", id);
     if (body.isClumpMember())
@@ -250,18 +266,8 @@ const Body& CableEngine::carriedBody(Body::id_t id) const {
 }
 
 void CableEngine::checkHeldBodies() const {
-    for (const Body::id_t id : followIds) heldBody("follow", id);
+    for (const Body::id_t id : followIds) followedBody(id);
     for (const Body::id_t id : carryIds) carriedBody(id);
-}
-
-const Body& CableEngine::elementBody(int element) const {
-    const Scene& s = theScene();
-    const Body::id_t id = elementIds[element];
-    if (!s.bodies->exists(id))
-        refuse(text(
-            "body ", id, " of element ", element,
-            " was erased: erase the whole cable with its engine, or make one that touches nothing (contactPoints=0)"));
-    return *(*s.bodies)[id];
 }
 
 void CableEngine::checkElementBody(int element) const {
@@ -287,21 +293,12 @@ void CableEngine::checkCriticalStep(Real step, int e) const {
                                      " s: must be finite and above 0; take values of a real cable"));
 }
 
-void CableEngine::setField(vector<Real>& field, const vector<Real>& value) {
-    vector<Real> before = value;
-    field.swap(before);
-    const bool wasSound = sound;
-    sound = false;
-    try {
-        needSound();
-    } catch (...) {
-        field.swap(before);
-        sound = wasSound;
-        throw;
-    }
+// Where the model reads it, if there is one.
+void CableEngine::setField(vector<Real>& field, const char* name, const vector<Real>& value) {
+    checkField(Attributes(text("CableEngine ", family)), *this, name, value);
+    if (field.size() == value.size()) std::copy(value.begin(), value.end(), field.begin());
+    else field = value;
     if (!model) return;
-    model->x = position.data();
-    model->v = velocity.data();
     touching.disturb();
     theScene().doSort = true;
 }

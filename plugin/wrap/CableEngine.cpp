@@ -140,6 +140,10 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
         for (int i = 0; i < e; ++i) block[n + i] = slopes[6 * i + c] + slopes[6 * i + 3 + c];
     }
     checkDef("CableEngine.add", def, newX.data(), newX.data());
+    vector<bool> used(static_cast<size_t>(n), false);
+    for (const int k : endsOf) used[k] = true;
+    if (const auto lone = std::find(used.begin(), used.end(), false); lone != used.end())
+        given.refuse("ends: node ", lone - used.begin(), " of nodes is in no element: leave it out");
 
     position = std::move(x);
     velocity = std::move(v);
@@ -242,10 +246,7 @@ void CableEngine::clamp(int element, int end) {
 void CableEngine::follow(int node, Body::id_t id) {
     checkNode(node, "follow");
     checkUnclaimed(node = tied(node));
-    const Body& body = heldBody("follow", id);
-    if (movedBody(theScene(), body).isDynamic() && movedBody(theScene(), body).state->blockedDOFs != State::DOF_ALL)
-        throw std::invalid_argument(
-            text("CableEngine.follow: body ", id, " moves freely and would not feel the cable: use carry"));
+    const Body& body = followedBody(id);
     followNodes.push_back(node);
     followIds.push_back(id);
     followAt.push_back(body.state->ori.conjugate() * (nodeOf(position.data(), getStride(), node) - body.state->pos));

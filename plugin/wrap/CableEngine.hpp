@@ -67,16 +67,18 @@ class CableEngine : public GlobalEngine {
     void checkAttributes() const;
     void needSound() const; // nothing if they passed
     static void checkDef(const char* what, const ancf_def& def, const Real* x, const Real* v);
-    const Body& heldBody(const char* what, Body::id_t id) const; // that a node may follow or carry
+    const Body& heldBody(const char* what, Body::id_t id) const; // a body that a node may have
+    const Body& followedBody(Body::id_t id) const;
     const Body& carriedBody(Body::id_t id) const;
     void checkHeldBodies() const;
     void checkElementBody(int element) const;
     void checkCriticalStep(Real step, int element) const;
-    void setField(vector<Real>& field, const vector<Real>& value);
+    void setField(vector<Real>& field, const char* name, const vector<Real>& value);
     void checkNode(int node, const char* what) const;
     void checkRange(const char* what, int first, int n, int all) const;
     void checkUnclaimed(int node) const;
     void changed();
+    void makeReady();
     void makeModel();
     void makeImplicit();
     void mapBodies();
@@ -97,6 +99,7 @@ class CableEngine : public GlobalEngine {
     int stepsInside() const;
     void getReady();
 
+    void takeGravity();
     void holdNodes();
     void gatherForces();
     void scatter();
@@ -151,8 +154,8 @@ public:
     int getStride() const { return ancf_stride(nNodes, nElements()); }
     vector<Real> getPosition() const { return position; }
     vector<Real> getVelocity() const { return velocity; }
-    void setPosition(const vector<Real>& value) { setField(position, value); }
-    void setVelocity(const vector<Real>& value) { setField(velocity, value); }
+    void setPosition(const vector<Real>& value) { setField(position, "position", value); }
+    void setVelocity(const vector<Real>& value) { setField(velocity, "velocity", value); }
     bool coupled();
     int asleep() const { return touching.asleep(*this); }
     int nElements() const { return static_cast<int>(length.size()); }

@@ -2,6 +2,7 @@
 // The engine made ready, and one step of it.
 #include "CableEngine.hpp"
 
+#include "Attributes.hpp"
 #include "CableCheck.hpp"
 #include "CableNodes.hpp"
 #include "Drive.hpp"
@@ -73,7 +74,29 @@ void CableEngine::mapBodies() {
         else anyCoupled = true;
 }
 
+const Body& CableEngine::elementBody(int element) const {
+    const Scene& s = theScene();
+    const Body::id_t id = elementIds[element];
+    if (!s.bodies->exists(id))
+        refuse(text(
+            "body ", id, " of element ", element,
+            " was erased: erase the whole cable with its engine, or make one that touches nothing (contactPoints=0)"));
+    return *(*s.bodies)[id];
+}
+
+// All or nothing: what is refused leaves no model behind.
 void CableEngine::build() {
+    try {
+        makeReady();
+    } catch (...) {
+        touching.reset();
+        implicit.reset();
+        model.reset();
+        throw;
+    }
+}
+
+void CableEngine::makeReady() {
     needSound();
     checkScene();
     checkBodies();
@@ -103,6 +126,17 @@ void CableEngine::build() {
 namespace {
     bool anyForces(Scene& scene) { return !scene.forces.synced || scene.forces.getPermForceUsed(); }
 } // namespace
+
+void CableEngine::takeGravity() {
+    if (const NewtonIntegrator* newton = newtonOf(theScene())) {
+        const Vector3r& g = newton->gravity;
+        if (!finite(g))
+            refuse(text("NewtonIntegrator.gravity = (", g[0], ", ", g[1], ", ", g[2],
+                        "): must be finite, and below 1e100 [m/s²]"));
+        gravity = g;
+    }
+    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
+}
 
 // New velocities of nodes that follow a body, exactly to where NewtonIntegrator will take it.
 void CableEngine::holdNodes() {
@@ -238,10 +272,9 @@ void CableEngine::action() {
     model->x = position.data();
     model->v = velocity.data();
     model->track = scene->trackEnergy;
-    if (const NewtonIntegrator* newton = newtonOf(*scene)) gravity = newton->gravity;
+    takeGravity();
     watch();
     const int inside = stepsInside();
-    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
 
     eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); });
     holdNodes();

@@ -293,7 +293,7 @@ bool Law2_ScGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
             friction = ancf_friction_coefficient(&rub, left) * force * direction;
         }
     }
-    if (!(phys.normalStiffness > 0 && std::isfinite(elasticForce + c + friction.sum()))) {
+    if (ancf_normal_check(&law) || ancf_friction_check(&rub) || !std::isfinite(force + c + friction.sum())) {
         const string fault = lawFault(phys, nullptr, nullptr, std::numeric_limits<Real>::quiet_NaN());
         return refuse(fault.empty() ? text("depth = ", depth, " m, speed = ", rate, " m/s: a force of ", elasticForce,
                                            " N: a body's place or velocity is not finite")

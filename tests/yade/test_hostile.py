@@ -1,7 +1,7 @@
 """Hostile values in attributes and methods: refused by name, never a signal, a hang or silence.
 
 Each value goes into a fork of one scene that runs. By command line many more, at random:
-    yade -n -x tests/yade/test_hostile.py --count 10000 --seed 1
+    python3 tests/yade/test_hostile.py --count 10000 --seed 1
 """
 
 import argparse
@@ -26,6 +26,7 @@ from yade import O, Vector3, utils, wrapper
 
 NAN, INF, HUGE, MOST = float("nan"), float("inf"), 1e300, 2**31 - 1
 SECONDS = 20  # until a case counts as a hang
+BALL, CARRIED, LEADER, SHEAVE, SLIDER = range(4, 9)  # bodies; before them the elements
 STEPS = 12  # after a value is in: what is not finite is told within ten
 
 
@@ -39,12 +40,14 @@ def build():
     O.reset()
     material("cable")
     given = dict(diameter=2e-3, material="cable", damping=1e-5)
-    first = ancf.Cable([(0, 0, 0), (0.5, 0, 0), (1, 0, 0)], 2, **given)
-    second = ancf.Cable([(1, 0, 0), (1.5, 0, 0), (2, 0, 0)], 2, **given)
+    first = ancf.Cable([(0, 0, 0), (0.5, 0, 0), (1, 0, 0)], 1, **given)
+    second = ancf.Cable([(1, 0, 0), (1.5, 0, 0), (2, 0, 0)], 1, **given)
+    first.append()
+    second.append(engine=first.engine)
     first.fix(0)
     first.clamp(0)
     first.load(1, (0, 0, 0.01))
-    ball((0.25, 0, 0.0107), 0.01, mass=1e-3, material="cable")
+    over = ball((0.25, 0, 0.01095), 0.01, mass=1e-3, material="cable")
     carried = ball((1.5, 0, 0), 0.01, mass=1e-2, material="cable")
     leader = ball((2, 0, 0), 0.01, material="cable", mask=2)
     second.carry(1, carried)
@@ -55,10 +58,10 @@ def build():
     turning, guide = ancf.SheaveEngine(), ancf.GuideEngine()
     turning.add(sheave, viscous=1e-3, dry=1e-4, torque=1e-3)
     guide.add(slider, (1, 0, 0), friction=0.1, lower=-1, upper=1)
-    engines = ancf.engines(first, second, gravity=(0, 0, -1))
-    O.engines = [*engines[:-1], turning, guide, engines[-1]]
+    assert (over, carried, leader, sheave, slider) == (BALL, CARRIED, LEADER, SHEAVE, SLIDER)
+    O.engines = pulleys.engines(first, second, turning, guide, gravity=(0, 0, -1))
     O.dt *= 0.5
-    steps(20)
+    steps(3)
     engine = first.engine
     assert engine.contacts > 0 and engine.tiedNodes and engine.carryIds and engine.followIds
 
@@ -75,7 +78,7 @@ def contact():
 
 def state():
     """What moves, as bytes."""
-    places = [[*b.state.pos, *b.state.vel] for b in O.bodies if b]
+    places = [[*b.state.pos, *b.state.vel] for b in O.bodies if b and b.id >= BALL]
     engine = the("CableEngine")
     return np.concatenate([np.ravel(places), engine.position, engine.velocity])
 
@@ -84,13 +87,13 @@ def read():
     """Everything that reads the engines' lists."""
     engine, turning, guide = (the(k) for k in ("CableEngine", "SheaveEngine", "GuideEngine"))
     for call in (
-        lambda: [engine.tied(i) for i in range(5)],
+        lambda: [engine.tied(i) for i in range(6)],
         lambda: engine.elementsAt(1),
         lambda: engine.reaction(0),
         lambda: engine.point(3, 0.5),
         lambda: engine.tension(3, 0.5),
         lambda: engine.energy(0, 4),
-        lambda: engine.state(0, 5, 0, 4),
+        lambda: engine.state(0, 6, 0, 4),
         engine.momentum,
         engine.criticalTimeStep,
         lambda: engine.overlaps(0.1),
@@ -188,7 +191,7 @@ SCALARS = {
     "friction": ["viscous"],
     "spectralRadius": [NAN, -0.1, 1.5, INF],
     "substeps": [-1, 1001, 10**7, MOST],
-    "nNodes": [-1, 0, 4, 6, MOST],
+    "nNodes": [-1, 0, 5, 7, MOST],
     "lastStep": [NAN, -1.0, INF],
     "gravity": [Vector3(0, NAN, 0), Vector3(0, 0, HUGE)],
     "twistLeft": [Vector3(0, NAN, 0)],
@@ -210,18 +213,18 @@ SPECIAL = {  # lists: one bad value in place of the last
     "run": [-1, 4, 10**6],
     "arc": [-1.0],
     "closed": [-1.0],
-    "ends": [-1, 5, 0],
+    "ends": [-1, 6, 4, 3],
     "next": [0, 4, -2],
     "elementIds": [-2, 0, 4, 99],
-    "fixedNodes": [-5, 5, 3],
+    "fixedNodes": [-5, 6, 3],
     "clampedEnds": [8, 10**6],
-    "followNodes": [0, 5],
-    "followIds": [-1, 99, 5],
-    "carryNodes": [0, 5],
-    "carryIds": [-1, 99, 5, 0],
-    "loadNodes": [5],
-    "tiedNodes": [5, 2],
-    "tiedTo": [3, 5],
+    "followNodes": [0, 6],
+    "followIds": [-1, 99, 0, 5],
+    "carryNodes": [0, 6],
+    "carryIds": [-1, 99, 0],
+    "loadNodes": [6, 3],
+    "tiedNodes": [5, 6],
+    "tiedTo": [3, 6],
     "viscous": [-1.0],
     "dry": [-1.0],
     "scripted": [-1, 3],
@@ -234,7 +237,14 @@ SPECIAL = {  # lists: one bad value in place of the last
     "driven": [2],
     "held": [9, -1],
 }
-NOT_SPECIAL = {("lower", -INF), ("upper", INF), ("speed", "nan")}  # legal
+LEGAL = {
+    ("lower", -INF),
+    ("upper", INF),
+    ("upper", HUGE),
+    ("speed", "nan"),
+    ("clampedEnds", "[]"),
+    ("fixedNodes", "[]"),
+}
 LEADS = {  # what the text may say instead of the attribute's name
     "elementIds": "of element",
     "followIds": "follow",
@@ -253,7 +263,7 @@ def hostile(name, good):
     if not isinstance(good, list):
         return SCALARS.get(name, [])
     lists = [good + good[-1:]] if good else []
-    if good:
+    if good and (name, "[]") not in LEGAL:
         lists.append([])
     if len(good) > 1:
         lists.append(good[:-1])
@@ -264,7 +274,7 @@ def hostile(name, good):
         bad += [-7, MOST]
     if good and isinstance(good[0], Vector3):
         bad += [Vector3(0, NAN, 0), Vector3(INF, 0, 0), Vector3(0, 0, HUGE)]
-    bad = [b for b in bad if (name, "nan" if b != b else b) not in NOT_SPECIAL] if good else []
+    bad = [b for b in bad if (name, "nan" if b != b else b) not in LEGAL] if good else []
     return lists + [good[:-1] + [b] for b in bad]
 
 
@@ -329,8 +339,10 @@ def test_attributes_set(theScene):
     bad = []
     for kind in ("CableEngine", "SheaveEngine", "GuideEngine"):
         for name, value in attributes(kind):
-            if name in ("crossPairs", "crossValues"):
-                continue
+            if name in ("crossPairs", "crossValues") or (
+                isinstance(value, list) and 1e-300 in value
+            ):
+                continue  # cannot be set; what only the whole element is refused for, at the next step
 
             def act(kind=kind, name=name, value=value):
                 try:
@@ -392,7 +404,7 @@ def covered(engine, **options):
     return engine.cover(**{**good, **options})
 
 
-BAD_NODES = (-1, 5, MOST, -MOST)
+BAD_NODES = (-1, 6, MOST, -MOST)
 BAD_IDS = (-1, 99, MOST)
 
 METHODS = (
@@ -406,12 +418,15 @@ METHODS = (
         for m in ("point", "pointVelocity", "tension", "strain")
         for n, x in ((-1, 0.5), (4, 0.5), (MOST, 0.5), (0, NAN), (0, 1.5), (0, -1), (0, INF))
     ]
-    + [("CableEngine", lambda e, n=n: e.tie(*n)) for n in ((0, 0), (3, 9), (-1, 0), (0, 3), (1, 3))]
+    + [("CableEngine", lambda e, n=n: e.tie(*n)) for n in ((0, 0), (3, 9), (-1, 0), (0, 3), (1, 4))]
     + [("CableEngine", lambda e, n=n: e.clamp(*n)) for n in ((4, 0), (-1, 0), (0, 2), (MOST, 1))]
-    + [("CableEngine", lambda e, i=i: e.follow(1, i)) for i in (*BAD_IDS, 0, 4)]
-    + [("CableEngine", lambda e, i=i: e.carry(1, i, (0, 0, 0))) for i in (*BAD_IDS, 0, 4, 6)]
+    + [("CableEngine", lambda e, i=i: e.follow(1, i)) for i in (*BAD_IDS, 0, BALL)]
     + [
-        ("CableEngine", lambda e, at=at: e.carry(1, 7, at))
+        ("CableEngine", lambda e, i=i: e.carry(1, i, (0, 0, 0)))
+        for i in (*BAD_IDS, 0, BALL, LEADER)
+    ]
+    + [
+        ("CableEngine", lambda e, at=at: e.carry(1, SHEAVE, at))
         for at in ((NAN, 0, 0), (INF, 0, 0), (HUGE, 0, 0))
     ]
     + [
@@ -464,7 +479,7 @@ METHODS = (
     ]
     + [
         ("CableEngine", lambda e, r=r: e.state(*r))
-        for r in ((-1, 1, 0, 1), (0, 6, 0, 0), (0, 0, 0, 5), (MOST, MOST, 0, 0), (0, -1, 0, 0))
+        for r in ((-1, 1, 0, 1), (0, 7, 0, 0), (0, 0, 0, 5), (MOST, MOST, 0, 0), (0, -1, 0, 0))
     ]
     + [
         ("CableEngine", lambda e, a=a: e.setVelocities(*a))
@@ -481,24 +496,24 @@ METHODS = (
         for r in ((NAN, 10), (0.0, 10), (1e-8, 0), (-1.0, -1))
     ]
     + [("CableEngine", lambda e, p=p: e.overlaps(p)) for p in (NAN, -1.0, INF)]
-    + [("SheaveEngine", lambda e, i=i: e.add(i)) for i in (*BAD_IDS, 0, 5, 8)]
+    + [("SheaveEngine", lambda e, i=i: e.add(i)) for i in (*BAD_IDS, 0, SHEAVE)]
     + [
-        ("SheaveEngine", lambda e, o=o: e.add(7, **o))
+        ("SheaveEngine", lambda e, o=o: e.add(SLIDER, **o))
         for o in (dict(viscous=NAN), dict(dry=-1.0), dict(torque=HUGE), dict(speed=INF))
     ]
-    + [("SheaveEngine", lambda e, v=v: e.setTorque(8, v)) for v in (NAN, HUGE, -INF)]
-    + [("SheaveEngine", lambda e, v=v: e.setSpeed(8, v)) for v in (NAN, HUGE, -INF)]
+    + [("SheaveEngine", lambda e, v=v: e.setTorque(SHEAVE, v)) for v in (NAN, HUGE, -INF)]
+    + [("SheaveEngine", lambda e, v=v: e.setSpeed(SHEAVE, v)) for v in (NAN, HUGE, -INF)]
     + [("SheaveEngine", lambda e, i=i: e.number(i)) for i in BAD_IDS]
-    + [("GuideEngine", lambda e, i=i: e.add(i, (1, 0, 0))) for i in (*BAD_IDS, 0, 9)]
+    + [("GuideEngine", lambda e, i=i: e.add(i, (1, 0, 0))) for i in (*BAD_IDS, 0, SLIDER)]
     + [
-        ("GuideEngine", lambda e, d=d: e.add(7, d))
+        ("GuideEngine", lambda e, d=d: e.add(SHEAVE, d))
         for d in ((0, 0, 0), (NAN, 0, 0), (HUGE, 0, 0), (0, INF, 0))
     ]
     + [
-        ("GuideEngine", lambda e, o=o: e.add(7, (1, 0, 0), **o))
+        ("GuideEngine", lambda e, o=o: e.add(SHEAVE, (1, 0, 0), **o))
         for o in (dict(friction=NAN), dict(viscous=-1.0), dict(lower=NAN), dict(upper=-1.0))
     ]
-    + [("GuideEngine", lambda e, m=m: e.setMotion(9, m)) for m in (3, "x")]
+    + [("GuideEngine", lambda e, m=m: e.setMotion(SLIDER, m)) for m in (3, "x")]
     + [("GuideEngine", lambda e, i=i: e.position(i)) for i in BAD_IDS]
 )
 
@@ -519,7 +534,9 @@ def test_methods(theScene):
 
         how, text = forked(act)
         # a cable that was added before cover() refuses it stays, and touches nothing
-        if (how, text) != ("ran", "same") and not (how == "ran" and "covered" in call.__code__.co_names):
+        if (how, text) != ("ran", "same") and not (
+            how == "ran" and "covered" in call.__code__.co_names
+        ):
             bad.append(f"{number}, {kind}, {call.__defaults__}: {how}: {text}")
     assert len(METHODS) > 100
     assert not bad, "\n" + "\n".join(bad)
@@ -530,7 +547,7 @@ HALF = [
     (lambda: wrapper.CableEngine(nNodes=5).tie(3, 4), "nNodes"),
     (lambda: wrapper.CableEngine(nNodes=-1), "nNodes = -1"),
     (lambda: wrapper.CableEngine(nNodes=MOST), "nNodes"),
-    (lambda: wrapper.CableEngine(length=[1, 1]).clamp(1, 0), "2 elements"),
+    (lambda: wrapper.CableEngine(length=[1, 1]).clamp(1, 0), "length"),
     (lambda: wrapper.CableEngine(nNodes=5, position=[1.0]), "position"),
     (lambda: wrapper.CableEngine(loads=[Vector3(1, 1, 1)]), "loads"),
     (lambda: wrapper.CableEngine().fix(0), "node 0"),
@@ -600,24 +617,48 @@ WORLD = [
         for name in ("segment", "gap", "point", "normals", "force", "friction", "xi")
     ),
     (sphereOfNoStiffness, "young = nan"),
-    (lambda: O.bodies[0].shape.updateAttrs({"element": 99}), r"elementIds\[0\].*shape.element = 99"),
-    (lambda: O.bodies[0].shape.updateAttrs({"element": -1}), r"elementIds\[0\].*shape.element = -1"),
+    (
+        lambda: O.bodies[0].shape.updateAttrs({"element": 99}),
+        r"elementIds\[0\].*shape.element = 99",
+    ),
+    (
+        lambda: O.bodies[0].shape.updateAttrs({"element": -1}),
+        r"elementIds\[0\].*shape.element = -1",
+    ),
     (lambda: O.bodies[0].shape.updateAttrs({"family": 7}), r"elementIds\[0\].*shape.family = 7"),
     (lambda: O.bodies[0].shape.updateAttrs({"radius": NAN}), r"shape.radius = nan"),
     (lambda: O.bodies.append(stray(99)), "none of its elementIds"),
     (lambda: O.bodies.append(stray(0)), "none of its elementIds"),
     (lambda: O.bodies.append(stray(-1)), "none of its elementIds"),
-    (lambda: setattr(O.bodies[8].state, "angVel", Vector3(0, NAN, 0)), "SheaveEngine: body 8.*angVel"),
-    (lambda: setattr(O.bodies[9].state, "pos", Vector3(0, 1, 1)), "GuideEngine: body 9.*off its guide"),
-    (lambda: the("GuideEngine").setMotion(9, lambda t: HUGE), "GuideEngine: body 9: motion = 1e"),
-    (lambda: O.bodies.erase(9) and the("GuideEngine").position(9), "GuideEngine.* body 9.* was erased"),
+    (
+        lambda: setattr(O.bodies[SHEAVE].state, "angVel", Vector3(0, NAN, 0)),
+        "SheaveEngine: body 7.*angVel",
+    ),
+    (
+        lambda: setattr(O.bodies[SLIDER].state, "pos", Vector3(0, 1, 1)),
+        "GuideEngine: body 8.*off its guide",
+    ),
+    (
+        lambda: the("GuideEngine").setMotion(SLIDER, lambda t: HUGE),
+        "GuideEngine: body 8: motion = 1e",
+    ),
+    (
+        lambda: O.bodies.erase(SLIDER) and the("GuideEngine").position(SLIDER),
+        "GuideEngine.* body 8.* was erased",
+    ),
+    (
+        lambda: setattr(the("CableNewton"), "gravity", Vector3(0, NAN, 0)),
+        r"NewtonIntegrator.gravity = \(0, nan, 0\)",
+    ),
     (lambda: setattr(O, "dt", 1e5), r"O.dt = 100000 s needs \d.* use O.dt <="),
 ]
 
 
 def stray(element):
     body = wrapper.Body()
-    body.shape = wrapper.CableElement(element=element, family=the("CableEngine").family, radius=1e-3)
+    body.shape = wrapper.CableElement(
+        element=element, family=the("CableEngine").family, radius=1e-3
+    )
     body.material = O.materials["cable"]
     body.state.blockedDOFs = "xyzXYZ"
     return body
@@ -650,7 +691,8 @@ def grains(change):
         material("m")
         O.materials.append(wrapper.FrictMat(label="other"))
         ball((0, 0, 0), 0.1, material="m")
-        ball((0, 0, 0.19999), 0.1, mass=1.0, material="other")
+        above = ball((0, 0, 0.19999), 0.1, mass=1.0, material="other")
+        O.bodies[above].state.vel = (0.1, 0, 0)
         O.engines = [*bodyEngines()[:-1], wrapper.CableNewton(damping=0)]
         O.engines[2].physDispatcher.functors = [wrapper.Ip2_FrictMat_HollarsMat_HollarsPhys()]
         O.dt = 1e-6
@@ -688,6 +730,29 @@ def test_grains(change, word):
     assert how == "RuntimeError" and re.search(word, text), (how, text)
 
 
+def test_a_sheave_that_is_touched_keeps_its_groove():
+    def act():
+        O.reset()
+        material("m")
+        sheave = pulleys.sheave((0, 0, 0), 0.05, width=0.03, material="m")
+        ball((0, 0, 0.05999), 0.01, mass=0.1, material="m")
+        O.engines = bodyEngines()
+        O.engines[1].boundDispatcher.functors += [wrapper.Bo1_Sheave_Aabb()]
+        O.engines[2].geomDispatcher.functors += [wrapper.Ig2_Sheave_Sphere_ScGeom()]
+        O.dt = 1e-6
+        shape = O.bodies[sheave].shape
+        shape.radius = 0.05001
+        shape.radius = 0.05
+        steps(2)
+        for name, value, told in (("radius", 0.2, "radius = 0.2"), ("width", 0.04, "sizes")):
+            with pytest.raises(ValueError, match=f"Sheave.*{told}.*body 0 .*with body 1"):
+                setattr(shape, name, value)
+        assert (shape.radius, shape.width) == (0.05, 0.03)
+        raise RuntimeError("all told")
+
+    assert forked(act) == ("RuntimeError", "all told")
+
+
 # ---- what is right goes on -------------------------------------------------------------------------
 
 
@@ -702,13 +767,13 @@ def test_positions_set_while_it_runs(theScene):
     def moved():
         engine = the("CableEngine")
         x = np.array(engine.position)
-        x[2 * engine.stride : 2 * engine.stride + engine.nNodes] -= 0.01
+        x[2 * engine.stride + 1] -= 1e-5
         engine.position = x.tolist()
         engine.velocity = [0.0] * len(x)
-        assert np.allclose(engine.point(0, 0), (0, 0, -0.01))
+        assert engine.point(0, 1)[2] == x[2 * engine.stride + 1]
         steps(1)
         after = np.array(engine.position)
-        assert abs(after - x).max() < 1e-4 and (after != x).any()
+        assert 0 < abs(after - x).max() < 1e-6
 
     assert forked(same) == ("ran", "same")
     assert forked(moved) == ("ran", "other")
@@ -719,7 +784,7 @@ def test_a_saved_scene_with_a_list_cut_short(theScene, tmp_path):
     O.save(path)
     text = open(path).read()
     for name in ("ends", "tiedTo", "radius", "followAt", "arc"):
-        block = re.search(rf"<{name}>\s*<count>(\d+)</count>.*?</{name}>", text, re.S).group()
+        block = re.search(rf"<{name}[^>]*>\s*<count>\d+</count>.*?</{name}>", text, re.S).group()
         count = int(re.search(r"<count>(\d+)", block).group(1))
         less = block.replace(f"<count>{count}</count>", f"<count>{count - 1}</count>", 1)
         last = less.rindex("<item")
@@ -735,7 +800,23 @@ def test_a_saved_scene_with_a_list_cut_short(theScene, tmp_path):
 # ---- at random, by command line --------------------------------------------------------------------
 
 POOL_INT = [0, 1, 2, 3, 4, 5, 7, 8, 63, 64, 65, -1, -2, -7, 10**6, MOST, -MOST - 1]
-POOL_REAL = [0.0, -0.0, 1.0, -1.0, 1e-3, 0.5, 1e-300, 1e-100, 1e99, 1e150, HUGE, -HUGE, NAN, INF, -INF]
+POOL_REAL = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    1e-3,
+    0.5,
+    1e-300,
+    1e-100,
+    1e99,
+    1e150,
+    HUGE,
+    -HUGE,
+    NAN,
+    INF,
+    -INF,
+]
 
 
 def anyLike(good, chance):
