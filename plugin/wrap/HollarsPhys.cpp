@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "HollarsPhys.hpp"
 
+#include "Attributes.hpp"
 #include "CableElement.hpp"
 #include "Drive.hpp"
 #include "LateError.hpp"
@@ -110,14 +111,14 @@ string lawFault(const HollarsPhys& phys, const Material* first, const Material* 
     if (std::isinf(radius) && std::isinf(phys.normalStiffness))
         return "two bodies that are not spheres touch, so there is no radius for Hertz: give "
                "HollarsMat.normalStiffness";
-    if (ancf_normal_check(&law))
+    if (ancf_normal_check(&law) || !finite(law.stiffness) || !finite(law.exponent) || !finite(law.damping))
         return text("normalStiffness = ", law.stiffness, ", normalExponent = ", law.exponent,
                     ", impactDamping = ", phys.impactDamping, ", dashpot = ", phys.dashpot,
-                    ": the first two must be finite and above 0, the others finite and not below 0", elasticText(first),
+                    ": must be below 1e100, the first two above 0, the others not below 0", elasticText(first),
                     elasticText(second));
-    if (ancf_friction_check(&rub))
+    if (ancf_friction_check(&rub) || !finite(rub.mu_s) || !finite(rub.mu_k) || !finite(rub.v0))
         return text("staticFriction = ", rub.mu_s, ", kineticFriction = ", rub.mu_k, ", transitionVelocity = ", rub.v0,
-                    ": must be finite, the coefficients not below 0, the velocity above 0");
+                    ": must be below 1e100, the coefficients not below 0, the velocity above 0");
     return "";
 }
 

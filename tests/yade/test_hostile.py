@@ -334,30 +334,38 @@ def test_attributes(kind, way):
     assert not bad, "\n" + "\n".join(bad)
 
 
+def allRefused(calls, words):
+    """An act: calls them all, each of which has to be refused with a text that holds the words."""
+
+    def act():
+        bad = []
+        for number, call in enumerate(calls):
+            try:
+                call()
+                bad.append(f"{number} was taken")
+            except (ValueError, IndexError, RuntimeError) as error:
+                if any(word not in str(error) for word in words):
+                    bad.append(f"{number}: {error}")
+            except AttributeError:  # cannot be set at all
+                pass
+        if bad:
+            raise AssertionError("; ".join(bad))
+
+    return act
+
+
 def test_attributes_set(theScene):
     """By themselves; the old value stays, and the scene goes on as if nothing had been."""
     bad = []
     for kind in ("CableEngine", "SheaveEngine", "GuideEngine"):
+        values = collections.defaultdict(list)
         for name, value in attributes(kind):
-            if name in ("crossPairs", "crossValues") or (
-                isinstance(value, list) and 1e-300 in value
-            ):
-                continue  # cannot be set; what only the whole element is refused for, at the next step
-
-            def act(kind=kind, name=name, value=value):
-                try:
-                    setattr(the(kind), name, value)
-                except AttributeError:  # cannot be set at all
-                    return
-                except ValueError as error:
-                    if kind in str(error) and name in str(error):
-                        return
-                    raise
-                raise RuntimeError("was taken")
-
-            how, text = forked(act)
+            if not (isinstance(value, list) and 1e-300 in value):  # refused with the whole element
+                values[name].append(bySetting(kind, name, value))
+        for name in values:
+            how, text = forked(allRefused(values[name], (kind, name)))
             if (how, text) != ("ran", "same"):
-                bad.append(f"{kind}.{name} = {short(value)}: {how}: {text}")
+                bad.append(f"{kind}.{name}: {how}: {text}")
     assert not bad, "\n" + "\n".join(bad)
 
 
@@ -518,26 +526,28 @@ METHODS = (
 )
 
 
+def isCovered(call):
+    return "covered" in call.__code__.co_names
+
+
 def test_methods(theScene):
     """Refused by name, and the scene goes on as if nothing had been."""
     bad = []
-    for number, (kind, call) in enumerate(METHODS):
-
-        def act(kind=kind, call=call):
-            try:
-                call(the(kind))
-            except (ValueError, IndexError, RuntimeError) as error:
-                if kind in str(error):
-                    return
-                raise
-            raise RuntimeError("was taken")
-
-        how, text = forked(act)
-        # a cable that was added before cover() refuses it stays, and touches nothing
-        if (how, text) != ("ran", "same") and not (
-            how == "ran" and "covered" in call.__code__.co_names
-        ):
-            bad.append(f"{number}, {kind}, {call.__defaults__}: {how}: {text}")
+    for kind in ("CableEngine", "SheaveEngine", "GuideEngine"):
+        calls = [
+            lambda call=call: call(the(kind))
+            for of, call in METHODS
+            if of == kind and not isCovered(call)
+        ]
+        for first in range(0, len(calls), 10):
+            how, text = forked(allRefused(calls[first : first + 10], (kind,)))
+            if (how, text) != ("ran", "same"):
+                bad.append(f"{kind}, from {first} on: {how}: {text}")
+    for kind, call in METHODS:  # the cable that was added before stays, and touches nothing
+        if isCovered(call):
+            how, text = forked(allRefused([lambda: call(the(kind))], (kind,)))
+            if how != "ran":
+                bad.append(f"cover{call.__defaults__}: {how}: {text}")
     assert len(METHODS) > 100
     assert not bad, "\n" + "\n".join(bad)
 
@@ -773,7 +783,7 @@ def test_positions_set_while_it_runs(theScene):
         assert engine.point(0, 1)[2] == x[2 * engine.stride + 1]
         steps(1)
         after = np.array(engine.position)
-        assert 0 < abs(after - x).max() < 1e-6
+        assert 0 < abs(after - x).max() < 1e-5
 
     assert forked(same) == ("ran", "same")
     assert forked(moved) == ("ran", "other")
@@ -887,7 +897,14 @@ def long(count, seed):
         what, kind, act = randomCase(chance)
         how, text = forked(act)
         ends[how if how != "ran" else f"ran, {text}"] += 1
-        good = how in ("ran", "ValueError", "RuntimeError", "IndexError", "AttributeError")
+        good = how in (
+            "ran",
+            "ValueError",
+            "RuntimeError",
+            "IndexError",
+            "AttributeError",
+            "TypeError",
+        )
         if how in ("ValueError", "RuntimeError") and kind not in ("HollarsPhys",):
             good = any(word in text for word in ("Engine", "contact of bodies", "O.dt", "body "))
         if not good:
