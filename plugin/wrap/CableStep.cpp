@@ -51,7 +51,7 @@ void CableEngine::makeModel() {
     ancf_model* made = nullptr;
     int where = 0;
     const ancf_error error = ancf_model_create(&made, &def, position.data(), velocity.data(), &where);
-    if (error) refuse(text("element or node ", where, ": ", ancf_error_text(error)));
+    if (error) refuse(text("element ", where, ": ", ancf_error_text(error)));
     model.reset(made);
 }
 
