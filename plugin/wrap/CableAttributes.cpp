@@ -203,12 +203,13 @@ namespace {
                            ", which is in tiedNodes: must be the one that stands for it");
     }
 
-    // Of the contacts between cables that the next step remembers.
+    // What the next step remembers of contacts between cables, and the watch over it.
     void checkMemory(const Attributes& all, const CableEngine& c) {
         const size_t n = c.crossPairs.size() / 3;
         all.size("crossPairs", c.crossPairs, 3 * n, "three for each contact");
         all.size("crossValues", c.crossValues, 9 * n, "nine for each contact of crossPairs");
         all.finiteEach("crossValues", c.crossValues);
+        all.finiteEach("watched", c.watched);
     }
 } // namespace
 
@@ -300,6 +301,7 @@ void CableEngine::setField(vector<Real>& field, const char* name, const vector<R
     else field = value;
     if (!model) return;
     touching.disturb();
+    watchedStep = 0; // looks at all strains in the next step
     theScene().doSort = true;
 }
 
