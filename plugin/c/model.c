@@ -14,6 +14,7 @@ int ancf_stride(int n_nodes, int n_elements) { return (n_nodes + 2 * n_elements 
 static bool is_finite_positive(double value) { return isfinite(value) && value > 0.0; }
 
 static ancf_error check_element(const ancf_element* e) {
+    if (e->kind & ~(ANCF_SPRING | ANCF_LUMPED | ANCF_AXIAL_REDUCED | ANCF_CURVATURE_EXACT)) return ANCF_E_KIND;
     if (!is_finite_positive(e->length)) return ANCF_E_LENGTH;
     if (!is_finite_positive(e->ea) || !isfinite(e->ei) || e->ei < 0.0) return ANCF_E_STIFFNESS;
     if (!is_finite_positive(e->rho_a)) return ANCF_E_MASS;

@@ -5,6 +5,9 @@
 
 #include <math.h>
 
+// The larger one, NaN if either is: what cannot be computed must not pass for a small number.
+static double larger(double a, double b) { return a > b || isnan(a) ? a : b; }
+
 // Stiffness of a straight unstressed element over (r0, g0, r1, g1), along it or across.
 static void axial_stiffness(double K[4][4], const ancf_element* el) {
     const double L = el->length, k = el->ea / (30.0 * L);
@@ -39,7 +42,7 @@ static double largest_eigenvalue(double K[2][2], double M[2][2]) {
     const double a = M[0][0] * M[1][1] - M[0][1] * M[1][0];
     const double b = K[0][0] * M[1][1] + K[1][1] * M[0][0] - 2.0 * K[0][1] * M[0][1];
     const double c = K[0][0] * K[1][1] - K[0][1] * K[1][0];
-    return (b + sqrt(fmax(b * b - 4.0 * a * c, 0.0))) / (2.0 * a);
+    return (b + sqrt(larger(b * b - 4.0 * a * c, 0.0))) / (2.0 * a);
 }
 
 static double frequency2(double K[4][4], double M[4][4]) {
@@ -48,7 +51,7 @@ static double frequency2(double K[4][4], double M[4][4]) {
         double k[2][2], mm[2][2];
         reduce(k, K, s);
         reduce(mm, M, s);
-        largest = fmax(largest, largest_eigenvalue(k, mm));
+        largest = larger(largest, largest_eigenvalue(k, mm));
     }
     return largest;
 }
@@ -61,21 +64,22 @@ double ancf_element_frequency(const ancf_element* el) {
     double w2 = frequency2(K, M);
     if (el->ei > 0.0) {
         bending_stiffness(K, el);
-        w2 = fmax(w2, frequency2(K, M));
+        w2 = larger(w2, frequency2(K, M));
     }
     return sqrt(w2);
 }
 
 double ancf_critical_step(const ancf_model* m, double strain, int* element) {
     double least = INFINITY;
+    *element = 0;
     const double stiffening = sqrt(1.0 + 3.0 * fmax(strain, 0.0));
     for (int e = 0; e < m->n_elements; ++e) {
         const double w = ancf_element_frequency(&m->element[e]) * stiffening, z = 0.5 * m->element[e].damping * w;
         const double step = 0.9 * (2.0 / w) * (sqrt(1.0 + z * z) - z);
-        if (step < least) {
-            least = step;
-            *element = e;
-        }
+        if (step >= least) continue;
+        least = step;
+        *element = e;
+        if (isnan(step)) break;
     }
     return least;
 }

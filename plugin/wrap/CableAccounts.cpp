@@ -173,10 +173,7 @@ void CableEngine::relax(Real tolerance, int iterations) {
     if (anyCoupled)
         refuse("relax: a body is carried off its centre or guided, and would have to turn: let the scene come to rest "
                "instead");
-    if (const NewtonIntegrator* newton = newtonOf(s)) gravity = newton->gravity;
-    if (!gravity.allFinite())
-        refuse(text("relax: NewtonIntegrator.gravity = ", gravity.transpose(), ": must be finite"));
-    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
+    takeGravity();
     loaded = true;
     std::fill_n(model->external, position.size(), 0);
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);

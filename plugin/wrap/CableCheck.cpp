@@ -15,8 +15,6 @@
 namespace yade {
 
 namespace {
-    constexpr int segmentsMost = 64; // of an element
-
     bool positive(Real value) { return value > 0 && std::isfinite(value); }
 
     string nameOf(const Body& body) {
@@ -58,10 +56,12 @@ namespace {
 } // namespace
 
 CableCheck::CableCheck(const CableEngine& engine) : cable(engine) {
+    cable.needSound();
     cable.checkBodies();
     const Scene& s = cable.theScene();
     for (size_t e = 0; e < cable.elementIds.size(); ++e) {
         if (cable.elementIds[e] < 0) continue;
+        cable.checkElementBody(static_cast<int>(e));
         const Body& body = cable.elementBody(static_cast<int>(e));
         elements[bitsOf(body)].push_back(&body);
     }
@@ -168,7 +168,14 @@ void CableCheck::partners(Body::id_t first) const {
     const Scene& s = cable.theScene();
     for (size_t id = static_cast<size_t>(first); id < s.bodies->size(); ++id) {
         const Body* body = (*s.bodies)[id].get();
-        if (!body || !mayMeet(*body)) continue;
+        if (!body) continue;
+        if (const CableElement* stray = CableElement::of(*body); stray && stray->family == cable.family)
+            if (const int e = stray->element;
+                e < 0 || static_cast<size_t>(e) >= cable.elementIds.size() || cable.elementIds[e] != body->id)
+                cable.refuse(text(nameOf(*body),
+                                  " is none of its elementIds: a CableElement comes with its cable; make a "
+                                  "Cable or Net, and erase this body"));
+        if (!mayMeet(*body)) continue;
         checkSolid(*body);
         checkMaterial(*body);
         checkMotion(*body);
@@ -199,7 +206,7 @@ void CableCheck::implicit() const {
 // ---------------------------------------------------------------- overlaps
 
 void CableCheck::overlapsOfElements(vector<Overlap>& found, Real part) const {
-    std::array<ancf_nearest, segmentsMost + 1> places;
+    std::array<ancf_nearest, CableEngine::segmentsMost + 1> places;
     struct Piece {
         const Body* body;
         const ancf_cover* cover;
@@ -281,7 +288,7 @@ void CableCheck::crossings(vector<Overlap>& found, Real part) const {
     const std::unique_ptr<ancf_boxes, void (*)(ancf_boxes*)> boxes(made, ancf_boxes_destroy);
     ancf_boxes_plan(made, m, 0, 0, 0);
     if (ancf_boxes_set(made, m) < 0) throw std::bad_alloc();
-    std::array<ancf_nearest_pair, segmentsMost> places;
+    std::array<ancf_nearest_pair, CableEngine::segmentsMost> places;
     int pairs;
     const ancf_meeting* meeting = ancf_boxes_meetings(made, &pairs);
     for (int k = 0; k < pairs; ++k) {

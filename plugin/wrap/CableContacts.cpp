@@ -77,6 +77,11 @@ void CableContacts::stepBegins() {
     views.clear();
 }
 
+void CableContacts::disturb() {
+    outgrown = true;
+    ++shown->epoch;
+}
+
 void CableContacts::makeCover(const CableEngine& cable) {
     const ancf_model* m = cable.theModel();
     const size_t n = cable.length.size();
@@ -88,6 +93,7 @@ void CableContacts::makeCover(const CableEngine& cable) {
         ancf_cover& c = cover[e];
         c.segments = 1;
         if (cable.elementIds[e] < 0) continue;
+        cable.checkElementBody(static_cast<int>(e));
         const Body& body = cable.elementBody(static_cast<int>(e));
         c.radius = cable.radius[e];
         c.segments = cable.segments[e];
@@ -103,7 +109,6 @@ void CableContacts::makeCover(const CableEngine& cable) {
             c.owns[k] = !owned[m->ends[2 * e + k]];
             owned[m->ends[2 * e + k]] = true;
         }
-        if (!CableElement::of(body)) cable.refuse(text("body ", body.id, " is no CableElement"));
     }
     kinds = static_cast<int>(kindOf.size());
     laws.assign(static_cast<size_t>(kinds * kinds), ancf_laws {});
@@ -116,6 +121,9 @@ void CableContacts::makeCover(const CableEngine& cable) {
             mixHollars(phys, *first, *second, 1 / (1 / a.second + 1 / b.second));
             phys.normalKind = cable.normalKind;
             phys.frictionKind = cable.frictionKind;
+            if (const string fault = lawFault(phys, first, second, 1); !fault.empty())
+                cable.refuse(text("the contact of its cables of materials '", first->label, "' and '", second->label,
+                                  "': ", fault));
             laws[static_cast<size_t>(i * kinds + j)] = {phys.normalLaw(), phys.frictionLaw()};
         }
 }
@@ -251,9 +259,18 @@ ancf_side CableContacts::sideOf(const CableEngine& cable, const Body& touched, c
 void CableContacts::addContact(const CableEngine& cable, const Interaction& contact, int element) {
     CableGeom* geom = geomOf(contact);
     if (!geom || geom->xi.empty()) return;
+    const auto refuse = [&](const string& fault) {
+        cable.refuse(text("the contact of bodies ", contact.getId1(), " and ", contact.getId2(), ": ", fault));
+    };
+    if (!isHollars(*contact.phys))
+        refuse(text("phys is a ", contact.phys->getClassName(), ": must be the HollarsPhys that it was"));
+    if (geom->edited || !geom->fits())
+        refuse("geom was edited: its lists must be those of one CableGeom, of one length");
     auto* phys = static_cast<HollarsPhys*>(contact.phys.get());
     phys->normalKind = cable.normalKind;
     phys->frictionKind = cable.frictionKind;
+    if (const string fault = lawFault(*phys, nullptr, nullptr, std::numeric_limits<Real>::quiet_NaN()); !fault.empty())
+        refuse(fault);
     const Body &first = *(*cable.scene->bodies)[contact.getId1()], &second = *(*cable.scene->bodies)[contact.getId2()];
     const ancf_model* m = cable.theModel();
     Row row {geom, phys, ancf_table_contacts(table.get()), 0};

@@ -83,6 +83,7 @@ public:
     void keep(std::shared_ptr<const void> part);   // until nobody reads it
     void stepBegins();                             // of the engine: functors are through
     void build(CableEngine& cable);
+    void disturb(); // places or velocities were set from outside: nothing rests, boxes are new
 
     bool begin(const CableEngine& cable, int steps); // that the cable takes in O.dt; false: there is nothing to gather
     void gather(CableEngine& cable);

@@ -73,9 +73,9 @@ public:
     YADE_CLASS_BASE_DOC_ATTRS_CTOR(CableElement, Shape,
         "One element of a cable, on the true curve of its :yref:`CableEngine`. Its body is blocked in all freedoms and "
         "has no mass; its position is the middle of the element when the collider last ran.",
-        ((int, element, -1, , "Number in the engine."))
-        ((int, family, 0, , "Number of its :yref:`CableEngine`."))
-        ((Real, radius, 0, , "Half the diameter of the cable [m]."))
+        ((int, element, -1, Attr::readonly, "Number in the engine."))
+        ((int, family, 0, Attr::readonly, "Number of its :yref:`CableEngine`."))
+        ((Real, radius, 0, Attr::readonly, "Half the diameter of the cable [m]."))
         ((vector<int>, exclude, , , "Bodies that it never touches.")),
         createIndex();
     )

@@ -2,6 +2,7 @@
 // What the cables are made of, and what holds them.
 #include "CableEngine.hpp"
 
+#include "Attributes.hpp"
 #include "CableNodes.hpp"
 #include "Drive.hpp"
 #include "Guard.hpp"
@@ -11,7 +12,6 @@
 #include <core/Omega.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -120,15 +120,6 @@ void CableEngine::changed() {
     openAccounts.clear();
 }
 
-namespace {
-    int choose(const char* attribute, const string& name, const std::array<const char*, 3>& names) {
-        for (int i = 0; i < 3; ++i)
-            if (name == names[i]) return i;
-        throw std::invalid_argument(text("CableEngine.", attribute, " = '", name, "': must be '", names[0], "', '",
-                                         names[1], "' or '", names[2], "'"));
-    }
-} // namespace
-
 void CableEngine::preSave(CableEngine&) {
     const Guard guard; // O.save may come while O.run goes on
     touching.recall(crossPairs, crossValues);
@@ -141,18 +132,19 @@ void CableEngine::postSave(CableEngine&) {
 }
 
 void CableEngine::postLoad(CableEngine&) {
-    normalKind = choose("normal", normal, {"linear", "hertz", "nonlinear"});
-    frictionKind = choose("friction", friction, {"none", "coulomb", "hollars"});
+    sound = false;
     standsFor.clear();
     carried.clear();
     followed.clear();
     changed();
+    needSound();
     if (crossPairs.empty()) return;
     touching.remember(crossPairs, crossValues);
     postSave(*this);
 }
 
 void CableEngine::checkNode(int node, const char* what) const {
+    needSound();
     if (node < 0 || node >= nNodes)
         throw std::out_of_range(text("CableEngine.", what, ": node ", node, " does not exist, there are ", nNodes));
 }
@@ -186,6 +178,7 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
                            const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
                            Real newRhoA, Real newDamping) {
     refuseWhileRunning("CableEngine.add");
+    needSound();
     const Numbers<Real> nodes(newNodes, "CableEngine.add: nodes"), slopes(newSlopes, "CableEngine.add: slopes"),
         lengths(newLength, "CableEngine.add: length");
     const Numbers<int> endsOf(newEnds, "CableEngine.add: ends"), nextOf(newNext, "CableEngine.add: next");
@@ -197,6 +190,13 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
                                          " lengths need 3 numbers for each of 2 nodes at least, ", 6 * e,
                                          " of slopes, ", 2 * e, " ends and ", e, " next; got ", nodes.size(), ", ",
                                          slopes.size(), ", ", endsOf.size(), " and ", nextOf.size()));
+    const Attributes given("CableEngine.add");
+    for (const auto& [name, numbers] :
+         {std::pair("nodes", &nodes), std::pair("slopes", &slopes), std::pair("length", &lengths)})
+        given.finiteEach(name, *numbers);
+    for (const auto& [name, value] :
+         {std::pair("ea", newEa), std::pair("ei", newEi), std::pair("rhoA", newRhoA), std::pair("damping", newDamping)})
+        given.need(finite(value), name, value, "finite, and below 1e100");
     vector<ancf_element> elements;
     for (const Real l : lengths) elements.push_back({newKind, l, newEa, newEi, newRhoA, newDamping});
 
@@ -219,10 +219,11 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
         for (int i = 0; i < n; ++i) block[i] = nodes[3 * i + c];
         for (int i = 0; i < e; ++i) block[n + i] = slopes[6 * i + c] + slopes[6 * i + 3 + c];
     }
-    int where = 0;
-    const ancf_error error = ancf_model_check(&def, newX.data(), newX.data(), &where);
-    if (error)
-        throw std::invalid_argument(text("CableEngine.add: element or node ", where, ": ", ancf_error_text(error)));
+    checkDef("CableEngine.add", def, newX.data(), newX.data());
+    vector<bool> used(static_cast<size_t>(n), false);
+    for (const int k : endsOf) used[k] = true;
+    if (const auto lone = std::find(used.begin(), used.end(), false); lone != used.end())
+        given.refuse("ends: node ", lone - used.begin(), " of nodes is in no element: leave it out");
 
     moveState(std::move(x), std::move(v));
     for (const int k : endsOf) ends.push_back(firstNode + k);
@@ -241,7 +242,7 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
 
 void CableEngine::cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const py::object& newRun,
                         const py::object& newArc, const py::object& newClosed) {
-    constexpr int partsMost = 64;
+    needSound();
     const Numbers<int> runs(newRun, "CableEngine.cover: run");
     const Numbers<Real> arcs(newArc, "CableEngine.cover: arc"), closedRuns(newClosed, "CableEngine.cover: closed");
     const size_t n = runs.size(), old = radius.size();
@@ -249,10 +250,12 @@ void CableEngine::cover(int first, Real thickness, int parts, bool fixedPlaces, 
         throw std::invalid_argument(text("CableEngine.cover: first = ", first, " with ", n, " runs, ", arcs.size(),
                                          " arcs and ", closedRuns.size(), " closed: must be those of the ",
                                          length.size() - old, " elements added last, from ", old, " on"));
-    if (!(thickness > 0) || !std::isfinite(thickness))
-        throw std::invalid_argument(text("CableEngine.cover: radius = ", thickness, ": must be above 0 [m]"));
-    if (parts < 1 || parts > partsMost)
-        throw std::invalid_argument(text("CableEngine.cover: segments = ", parts, ": must be 1 to ", partsMost));
+    const Attributes all("CableEngine.cover");
+    all.need(finite(thickness) && thickness > 0, "radius", thickness, "finite and above 0 [m]");
+    all.need(parts >= 1 && parts <= segmentsMost, "segments", parts, text("1 to ", segmentsMost));
+    all.within("run", runs, 0, static_cast<int>(n), "the first element of a row");
+    all.notNegative("arc", arcs);
+    all.notNegative("closed", closedRuns);
     elementIds.resize(old + n, -1);
     radius.resize(old + n, thickness);
     segments.resize(old + n, parts);
@@ -267,10 +270,20 @@ void CableEngine::cover(int first, Real thickness, int parts, bool fixedPlaces, 
 
 vector<Body::id_t> CableEngine::addBodies(int first, const shared_ptr<Material>& material, int mask) {
     refuseWhileRunning("CableEngine.addBodies");
-    if (first < 0 || elementIds.size() != length.size())
+    needSound();
+    if (first < 0 || radius.size() != length.size())
         throw std::invalid_argument(text("CableEngine.addBodies: first = ", first, ": cover() was told of ",
-                                         elementIds.size(), " of ", length.size(), " elements"));
+                                         radius.size(), " of ", length.size(), " elements"));
     const auto stride = getStride(), n = nElements();
+    elementIds.resize(length.size(), -1);
+    for (int e = first; e < n; ++e)
+        if (elementIds[e] >= 0)
+            throw std::invalid_argument(text("CableEngine.addBodies: first = ", first, ": element ", e, " has body ",
+                                             elementIds[e], " already"));
+    if (!dynamic_cast<const HollarsMat*>(material.get()))
+        throw std::invalid_argument(text("CableEngine.addBodies: material is ",
+                                         material ? "a " + material->getClassName() : "None",
+                                         ": must be a HollarsMat"));
     vector<Body::id_t> ids;
     for (int e = first; e < n; ++e) {
         const auto at = [&](int place) { return nodeOf(position.data(), stride, place); };
@@ -301,6 +314,7 @@ void CableEngine::fix(int node) {
 }
 
 void CableEngine::clamp(int element, int end) {
+    needSound();
     if (element < 0 || element >= nElements() || (end != 0 && end != 1))
         throw std::out_of_range(text("CableEngine.clamp: element ", element, ", end ", end, ": there are ", nElements(),
                                      " elements with the ends 0 and 1"));
@@ -314,10 +328,7 @@ void CableEngine::follow(int node, Body::id_t id) {
     refuseWhileRunning("CableEngine.follow");
     checkNode(node, "follow");
     checkUnclaimed(node = tied(node));
-    const Body& body = bodyOf(theScene(), id, "follow");
-    if (movedBody(theScene(), body).isDynamic() && movedBody(theScene(), body).state->blockedDOFs != State::DOF_ALL)
-        throw std::invalid_argument(
-            text("CableEngine.follow: body ", id, " moves freely and would not feel the cable: use carry"));
+    const Body& body = followedBody(id);
     followNodes.push_back(node);
     followIds.push_back(id);
     followAt.push_back(body.state->ori.conjugate() * (nodeOf(position.data(), getStride(), node) - body.state->pos));
@@ -328,18 +339,12 @@ void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
     refuseWhileRunning("CableEngine.carry");
     checkNode(node, "carry");
     checkUnclaimed(node = tied(node));
-    const Body& body = bodyOf(theScene(), id, "carry");
+    const Body& body = carriedBody(id);
     State& state = *body.state;
-    if (body.isClumpMember())
-        throw std::invalid_argument(
-            text("CableEngine.carry: body ", id, " is a clump's member: carry the clump, ", body.clumpId));
-    if (!(state.mass > 0))
-        throw std::invalid_argument(
-            text("CableEngine.carry: body ", id, " has mass ", state.mass, ": must be above 0 [kg]"));
     if (state.blockedDOFs == State::DOF_ALL && !placedByDrive(theScene(), body))
         throw std::invalid_argument(text("CableEngine.carry: body ", id, " is blocked in all freedoms: use follow"));
     const Real gap = (state.pos + state.ori * place - nodeOf(position.data(), getStride(), node)).norm();
-    if (gap > 1e-6 * (1 + state.pos.norm()))
+    if (!(gap <= 1e-6 * (1 + state.pos.norm())))
         throw std::invalid_argument(text("CableEngine.carry: node ", node, " is ", gap,
                                          " m from the point `at` of body ", id, ": put the body there first"));
     // Free to move and held at its centre, the body is no more than mass at the node.
@@ -356,8 +361,8 @@ void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
 
 void CableEngine::load(int node, const Vector3r& force) {
     checkNode(node, "load");
-    if (!std::isfinite(force.sum()))
-        throw std::invalid_argument(text("CableEngine.load: force on node ", node, " is not finite"));
+    Attributes(text("CableEngine.load: node ", node))
+        .need(finite(force), "force", force, "finite, and below 1e100 [N]");
     node = tied(node);
     const auto found = std::find(loadNodes.begin(), loadNodes.end(), node);
     if (found != loadNodes.end()) {
@@ -378,6 +383,7 @@ int CableEngine::tied(int node) const {
 }
 
 vector<int> CableEngine::elementsAt(int node) const {
+    checkNode(node, "elementsAt");
     vector<int> found;
     for (int e = 0; e < nElements(); ++e)
         if (ends[2 * e] == node || ends[2 * e + 1] == node) found.push_back(e);
@@ -385,6 +391,7 @@ vector<int> CableEngine::elementsAt(int node) const {
 }
 
 void CableEngine::checkRange(const char* what, int first, int n, int all) const {
+    needSound();
     if (first < 0 || n < 0 || first > all - n)
         throw std::out_of_range(text("CableEngine: ", n, " ", what, " from ", first, " on: there are ", all));
 }
@@ -418,6 +425,9 @@ void CableEngine::setVelocities(int firstNode, const py::object& ofNodes, int fi
     const int n = static_cast<int>(nodes.size() / 3), e = static_cast<int>(slopes.size() / 6), stride = getStride();
     checkRange("nodes", firstNode, n, nNodes);
     checkRange("elements", firstElement, e, nElements());
+    const Attributes all("CableEngine.setVelocities");
+    all.finiteEach("nodes", nodes);
+    all.finiteEach("slopes", slopes);
     for (int i = 0; i < n; ++i)
         setNode(velocity.data(), stride, tied(firstNode + i),
                 Vector3r(nodes[3 * i], nodes[3 * i + 1], nodes[3 * i + 2]));

@@ -61,6 +61,7 @@ class CableEngine : public GlobalEngine {
     int sinceChecked = 0;                // steps, for what is looked at from time to time
     boost::weak_ptr<Scene> home;         // the scene it was last made ready in
     vector<Vector3r> carriedForce;       // (carryNodes) on the body, without the cable [N]
+    mutable bool sound = true;     // false: attributes came from outside that checkAttributes() has not let pass
     bool anyCoupled = false;
     bool loaded = false; // forces may stand in model->external
     int normalKind = 2, frictionKind = 2;
@@ -95,12 +96,23 @@ class CableEngine : public GlobalEngine {
     const Body& elementBody(int element) const;
     int carrierOf(Body::id_t id) const { return carrierOfBody[id]; }
     void setCarryReaction(size_t i, const Vector3r& touched);
+    void checkAttributes() const;
+    void needSound() const; // nothing if they passed
+    static void checkDef(const char* what, const ancf_def& def, const Real* x, const Real* v);
+    const Body& heldBody(const char* what, Body::id_t id) const; // a body that a node may have
+    const Body& followedBody(Body::id_t id) const;
+    const Body& carriedBody(Body::id_t id) const;
+    void checkHeldBodies() const;
+    void checkElementBody(int element) const;
+    void checkCriticalStep(Real step, int element) const;
+    void setField(vector<Real>& field, const char* name, const vector<Real>& value);
     void checkNode(int node, const char* what) const;
     void checkRange(const char* what, int first, int n, int all) const;
     void checkUnclaimed(int node) const;
     void changed();
     void dropModel();
     void moveState(vector<Real>&& x, vector<Real>&& v);
+    void makeReady();
     void makeModel();
     void makeImplicit();
     void mapBodies();
@@ -127,6 +139,7 @@ class CableEngine : public GlobalEngine {
     int stepsInside() const;
     void getReady();
 
+    void takeGravity();
     void holdNodes();
     void gatherForces();
     void gatherOnElements();
@@ -139,6 +152,9 @@ class CableEngine : public GlobalEngine {
     void trackEnergy();
 
 public:
+    static constexpr int segmentsMost = 64;   // of an element
+    static constexpr int substepsMost = 1000; // in an O.dt
+
     // What the elements' bodies of an engine of that family read; null if there is none or it cannot be built.
     static shared_ptr<const CableView> viewOf(const Scene& scene, int family);
 
@@ -180,6 +196,10 @@ public:
     py::list overlaps(Real part);
     void build();
     int getStride() const { return ancf_stride(nNodes, nElements()); }
+    vector<Real> getPosition() const { return position; }
+    vector<Real> getVelocity() const { return velocity; }
+    void setPosition(const vector<Real>& value) { setField(position, "position", value); }
+    void setVelocity(const vector<Real>& value) { setField(velocity, "velocity", value); }
     bool coupled();
     int asleep() const { return touching.asleep(*this); }
     int nElements() const { return static_cast<int>(length.size()); }
@@ -190,8 +210,8 @@ public:
         "Between InteractionLoop and NewtonIntegrator. Filled by the Python classes Cable and Net of the package ancf.",
         ((string, integrator, "leapfrog", Attr::triggerPostLoad, "'leapfrog'; 'implicit' (generalised-alpha, steps as long as accuracy allows; knows no contact, nor bodies off their centre) or 'rk4' (a reference: four force evaluations; knows neither)."))
         ((Real, spectralRadius, .9, Attr::triggerPostLoad, "Of implicit steps: factor by which a step damps motions that it cannot resolve, 0 to 1 (nothing is lost)."))
-        ((int, substeps, 0, , "Steps of the cable inside one O.dt, contacts acting in each; 0: as many as it needs."))
-        ((int, family, 0, , "Number of this engine, unique in the scene."))
+        ((int, substeps, 0, Attr::triggerPostLoad, "Steps of the cable inside one O.dt, contacts acting in each, at most 1000; 0: as many as it needs."))
+        ((int, family, 0, Attr::readonly, "Number of this engine, unique in the scene."))
         ((int, nNodes, 0, Attr::readonly, "Number of nodes."))
         ((vector<Real>, position, , , "Positions of nodes [m] and slopes [-]: blocks x, y, z of `stride`, in each the nodes, the slopes at the starts of all elements, those at the ends."))
         ((vector<Real>, velocity, , , "Their rates at the last half step, with implicit steps at the time of the positions, in the same order [m/s, 1/s]."))
@@ -249,6 +269,8 @@ public:
         ((vector<Real>, openAccounts, , Attr::hidden, "Number of the last step with energies tracked, and what of it the next one counts: height, elastic energy, damping and friction of contacts, damping of cables, lift of bodies [J]."))
         ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
         ,
+        .add_property("position", &CableEngine::getPosition, &CableEngine::setPosition, "Positions of nodes [m] and slopes [-]: blocks x, y, z of `stride`, in each the nodes, the slopes at the starts of all elements, those at the ends. ValueError for another length, or what is not finite.")
+        .add_property("velocity", &CableEngine::getVelocity, &CableEngine::setVelocity, "Their rates at the last half step, with implicit steps at the time of the positions, in the same order [m/s, 1/s]. ValueError likewise.")
         .add_property("stride", &CableEngine::getStride, "Length of a block of `position`.")
         .add_property("nElements", &CableEngine::nElements, "Number of elements.")
         .add_property("coupled", &CableEngine::coupled, "Carries a body off its centre or on a guide, which allows no sub-steps.")

@@ -116,8 +116,10 @@ namespace {
     bool accept(const shared_ptr<Interaction>& contact, const ancf_nearest* found, int n, Real radius1, Real radius2,
                 bool ball) {
         if (n == 0 && !contact->geom) return false;
-        if (!contact->geom) contact->geom = shared_ptr<CableGeom>(new CableGeom);
+        const bool other = contact->geom && contact->geom->getClassIndex() != CableGeom::getClassIndexStatic();
+        if (!contact->geom || other) contact->geom = shared_ptr<CableGeom>(new CableGeom);
         auto& geom = static_cast<CableGeom&>(*contact->geom);
+        geom.edited = other || !geom.fits();
         geom.refR1 = radius1;
         geom.refR2 = radius2;
         geom.ball = ball;
@@ -227,8 +229,15 @@ bool solidOf(ancf_solid& solid, const Body& body) {
     return true;
 }
 
+bool CableGeom::fits() const {
+    const size_t n = xi.size();
+    return segment.size() == n && gap.size() == n && point.size() == n && normals.size() == n && force.size() == n &&
+           friction.size() == n && owed.size() == n && late.size() == n && powers.size() == n &&
+           powersLast.size() == n && share.size() == n;
+}
+
 void CableGeom::set(const ancf_nearest* found, int n) {
-    const vector<int> before = segment;
+    const vector<int> before = edited ? vector<int>() : segment;
     const vector<Vector3r> kept = friction, keptLate = late, keptPowers = powers;
     const vector<Real> keptOwed = owed;
     const size_t size = static_cast<size_t>(n);

@@ -21,9 +21,11 @@ bool solidOf(ancf_solid& solid, const Body& body);
 
 class CableGeom : public GenericSpheresContact {
 public:
-    bool ball = false; // whether the first body is a sphere; set where places are found
+    bool ball = false;   // whether the first body is a sphere; set where places are found
+    bool edited = false; // from outside, so that its lists did not fit; its engine tells
     // Takes the places as found now; friction of those that were there before is kept.
     void set(const ancf_nearest* found, int n);
+    bool fits() const; // one value for each place, in all lists
     // Whether a place is the mean of several.
     bool lies(size_t i) const { return share[i] != 1; }
 

@@ -2,6 +2,7 @@
 #include "CableNewton.hpp"
 
 #include "CableElement.hpp"
+#include "LateError.hpp"
 
 namespace yade {
 
@@ -18,6 +19,7 @@ void CableNewton::list() {
 }
 
 void CableNewton::action() {
+    throwLate(*scene);
     BodyContainer& bodies = *scene->bodies;
     list();
     struct Swap { // the base class loops over realBodies; back again, whatever it throws

@@ -23,11 +23,6 @@ namespace {
 void CableEngine::checkScene() const {
     const Scene& s = theScene();
     if (s.isPeriodic) refuse("a periodic cell is not supported: set O.periodic = False");
-    if (integrator != "leapfrog" && integrator != "rk4" && integrator != "implicit")
-        refuse(text("integrator = '", integrator, "': must be 'leapfrog', 'implicit' or 'rk4'"));
-    if (!(spectralRadius >= 0 && spectralRadius <= 1))
-        refuse(text("spectralRadius = ", spectralRadius, ": must be from 0 to 1"));
-    if (substeps < 0) refuse(text("substeps = ", substeps, ": must be 0 (automatic) or more"));
 }
 
 // A body whose drive is gone, or switched off, would go on at its last speed.

@@ -20,7 +20,6 @@ namespace {
     constexpr Real contactReach = 2;     // O.dt against contactTimeStep() at most: 3.5 steps in a contact
     constexpr Real lookInterval = 10;    // steps between two looks at most
     constexpr Real strainInterval = 100; // between two looks at all strains at most
-    constexpr int stepsMost = 1000;      // of the cables in an O.dt
 
     enum Watched {
         STEPS,  // taken by this engine
@@ -52,7 +51,7 @@ void CableEngine::setLimit() {
 int CableEngine::stepsInside() const {
     if (integrator != "leapfrog") return 1;
     if (substeps > 0 || anyCoupled) return std::max(1, substeps);
-    return std::max(1, static_cast<int>(std::min<Real>(std::ceil(theScene().dt / substepLimit), stepsMost + 1)));
+    return std::max(1, static_cast<int>(std::min<Real>(std::ceil(theScene().dt / substepLimit), substepsMost + 1)));
 }
 
 // By how much strains may grow in a step, at the largest difference of speeds in what may touch.
@@ -99,10 +98,10 @@ void CableEngine::checkStep(int strained) {
     if (integrator == "implicit") return;
     const Scene& s = theScene();
     const int inside = stepsInside();
-    if (inside > stepsMost)
-        refuse(text("O.dt = ", s.dt, " s would take more than ", stepsMost,
+    if (inside > substepsMost)
+        refuse(text("O.dt = ", s.dt, " s would take more than ", substepsMost,
                     " steps of the cables, which are stable up to ", substepLimit,
-                    " s: use O.dt <= ", stepsMost * substepLimit));
+                    " s: use O.dt <= ", substepsMost * substepLimit));
     const Real largest = std::max(strainReserve, watched[BOUND]), step = s.dt / inside;
     int stiffest = 0;
     const Real leapfrog = ancf_critical_step(model.get(), largest, &stiffest);

@@ -2,15 +2,20 @@
 // The engine made ready, and one step of it.
 #include "CableEngine.hpp"
 
+#include "Attributes.hpp"
 #include "CableCheck.hpp"
 #include "CableNodes.hpp"
 #include "Drive.hpp"
+#include "LateError.hpp"
 
 #include <pkg/dem/NewtonIntegrator.hpp>
 
 extern "C" {
 #include "ancf/mass.h"
+#include "ancf/stability.h"
 }
+
+#include <array>
 
 namespace yade {
 
@@ -23,12 +28,14 @@ namespace {
     }
 } // namespace
 
+namespace {
+    int numberOf(const string& name, const std::array<const char*, 3>& names) {
+        return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+    }
+} // namespace
+
 void CableEngine::makeModel() {
-    const size_t n = static_cast<size_t>(nNodes), e = length.size(), size = 3 * static_cast<size_t>(getStride());
-    if (kind.size() != e || ea.size() != e || ei.size() != e || rhoA.size() != e || kelvinVoigt.size() != e)
-        refuse(text("kind, length, ea, ei, rhoA and kelvinVoigt must have one length, ", next.size()));
-    if (position.size() != size || velocity.size() != size)
-        refuse(text("position and velocity must have ", size, " entries, 3 blocks of stride"));
+    const size_t n = static_cast<size_t>(nNodes), e = length.size();
     vector<ancf_element> elements;
     for (size_t i = 0; i < e; ++i) elements.push_back({kind[i], length[i], ea[i], ei[i], rhoA[i], kelvinVoigt[i]});
     vector<Real> mass(n, 0);
@@ -45,7 +52,7 @@ void CableEngine::makeModel() {
     ancf_model* made = nullptr;
     int where = 0;
     const ancf_error error = ancf_model_create(&made, &def, position.data(), velocity.data(), &where);
-    if (error) refuse(text("element or node ", where, ": ", ancf_error_text(error)));
+    if (error) refuse(text("element ", where, ": ", ancf_error_text(error)));
     model.reset(made);
 }
 
@@ -68,11 +75,25 @@ void CableEngine::mapBodies() {
         else anyCoupled = true;
 }
 
+// All or nothing: what is refused leaves no model behind.
 void CableEngine::build() {
+    try {
+        makeReady();
+    } catch (...) {
+        dropModel();
+        throw;
+    }
+}
+
+void CableEngine::makeReady() {
     atHome();
+    needSound();
     checkScene();
     checkBodies();
+    checkHeldBodies();
     dropModel();
+    normalKind = numberOf(normal, {"linear", "hertz", "nonlinear"});
+    frictionKind = numberOf(friction, {"none", "coulomb", "hollars"});
     makeModel();
     loaded = false;
     checkIntegrator();
@@ -80,6 +101,9 @@ void CableEngine::build() {
     if (anyCoupled && substeps > 1)
         refuse(text("substeps = ", substeps,
                     ": a body is carried off its centre or guided, which needs substeps = 1 or 0"));
+    int element;
+    const Real stable = ancf_critical_step(model.get(), strainReserve, &element);
+    checkCriticalStep(stable, element);
     elementIds.resize(length.size(), -1);
     touching.build(*this);
     carriedForce.assign(carryNodes.size(), Vector3r::Zero());
@@ -92,6 +116,17 @@ void CableEngine::build() {
 namespace {
     bool anyForces(Scene& scene) { return !scene.forces.synced || scene.forces.getPermForceUsed(); }
 } // namespace
+
+void CableEngine::takeGravity() {
+    if (const NewtonIntegrator* newton = newtonOf(theScene())) {
+        const Vector3r& g = newton->gravity;
+        if (!finite(g))
+            refuse(text("NewtonIntegrator.gravity = (", g[0], ", ", g[1], ", ", g[2],
+                        "): must be finite, and below 1e100 [m/s²]"));
+        gravity = g;
+    }
+    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
+}
 
 // New velocities of nodes that follow a body, exactly to where NewtonIntegrator will take it.
 void CableEngine::holdNodes() {
@@ -240,6 +275,7 @@ void CableEngine::startAppended() {
 
 void CableEngine::action() {
     const StepGuard guard;
+    throwLate(*scene);
     touching.stepBegins();
     eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); }); // may call Python, which may change the model
     getReady();
@@ -247,10 +283,9 @@ void CableEngine::action() {
     model->x = position.data();
     model->v = velocity.data();
     model->track = scene->trackEnergy;
-    if (const NewtonIntegrator* newton = newtonOf(*scene)) gravity = newton->gravity;
+    takeGravity();
     watch();
     const int inside = stepsInside();
-    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
 
     holdNodes();
     gatherForces();

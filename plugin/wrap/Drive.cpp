@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "Drive.hpp"
 
+#include "CableElement.hpp"
+
 #include <core/InteractionLoop.hpp>
 #include <core/Omega.hpp>
 #include <pkg/common/Collider.hpp>
@@ -36,6 +38,14 @@ const NewtonIntegrator* newtonOf(const Scene& scene) {
     for (const NewtonIntegrator* newton : knownEngines(scene).newtons)
         if (!newton->dead) return newton;
     return nullptr;
+}
+
+void checkDriven(const Scene& scene, Body::id_t id, const string& name) {
+    if (!scene.bodies->exists(id)) throw std::invalid_argument(name + " does not exist");
+    const Body& body = *(*scene.bodies)[id];
+    if (CableElement::of(body)) throw std::invalid_argument(name + " is an element of a cable: hold its nodes instead");
+    if (body.isClumpMember())
+        throw std::invalid_argument(name + " is a clump's member: take the clump, " + std::to_string(body.clumpId));
 }
 
 Schedules::~Schedules() {

@@ -77,6 +77,9 @@ inline bool drivenBody(const Scene& scene, const Body& body) {
     return found;
 }
 
+// Refuses bodies that no drive can move: invalid_argument, beginning with `name`.
+void checkDriven(const Scene& scene, Body::id_t id, const string& name);
+
 // Python functions of time, by number of what they drive. Not saved with a scene.
 class Schedules {
     std::map<int, py::object> functions;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "GuideEngine.hpp"
 
+#include "Attributes.hpp"
+
 #include <core/Omega.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
 
@@ -27,11 +29,62 @@ void GuideEngine::refuse(size_t i, const string& why) const {
     throw std::runtime_error(text.str());
 }
 
+void GuideEngine::checkLists() const {
+    const Attributes all("GuideEngine");
+    const size_t n = ids.size();
+    const string why = text("one for each of ", n, " ids");
+    all.each(
+        "ids", ids, [](int id) { return id >= 0; }, "a body");
+    all.distinct("ids", ids, "a body is on one guide");
+    for (const auto& [name, list] :
+         {std::pair("friction", &friction), std::pair("viscous", &viscous), std::pair("push", &push),
+          std::pair("rubbing", &rubbing), std::pair("lastSpeed", &lastSpeed), std::pair("driveForce", &driveForce),
+          std::pair("work", &work), std::pair("loss", &loss)}) {
+        all.size(name, *list, n, why);
+        all.finiteEach(name, *list);
+    }
+    all.size("origin", origin, n, why);
+    all.size("direction", direction, n, why);
+    all.size("lower", lower, n, why);
+    all.size("upper", upper, n, why);
+    all.size("driven", driven, n, why);
+    all.size("held", held, n, why);
+    all.notNegative("friction", friction);
+    all.notNegative("viscous", viscous);
+    all.finiteEach("origin", origin);
+    all.each(
+        "direction", direction, [](const Vector3r& d) { return std::abs(d.norm() - 1) < 1e-9; }, "a unit vector");
+    all.each(
+        "lower", lower, [](Real value) { return value <= 0; }, "at most 0, where the body was added [m]");
+    all.each(
+        "upper", upper, [](Real value) { return value >= 0; }, "at least 0, where the body was added [m]");
+    all.within("driven", driven, 0, 2, "no or yes");
+    all.each(
+        "held", held, [](int value) { return value == sliding || value == byFriction || std::abs(value) == atUpper; },
+        "0 (slides), 1 (by friction), 2 (at the upper stop) or -2 (at the lower one)");
+}
+
+void GuideEngine::needSound() const {
+    if (sound) return;
+    checkLists();
+    sound = true;
+}
+
+void GuideEngine::postLoad(GuideEngine&) {
+    sound = false;
+    needSound();
+    for (size_t i = 0; i < ids.size(); ++i)
+        if (ids[i] >= static_cast<int>(numberOfBody.size()) || numberOfBody[ids[i]] != static_cast<int>(i))
+            preparedIter = -1; // other bodies
+    if (preparedIter < 0) numberOfBody.clear();
+}
+
 int GuideEngine::numberOf(const Body& body) const {
-    return body.id < static_cast<int>(numberOfBody.size()) ? numberOfBody[body.id] : -1;
+    return sound && body.id < static_cast<int>(numberOfBody.size()) ? numberOfBody[body.id] : -1;
 }
 
 int GuideEngine::number(Body::id_t id) const {
+    needSound();
     const auto found = std::find(ids.begin(), ids.end(), id);
     if (found == ids.end())
         throw std::invalid_argument("GuideEngine: body " + std::to_string(id) +
@@ -44,7 +97,13 @@ Real GuideEngine::place(size_t i) const {
     return direction[i].dot((*s.bodies)[ids[i]]->state->pos - origin[i]);
 }
 
-Real GuideEngine::position(Body::id_t id) const { return place(static_cast<size_t>(number(id))); }
+Real GuideEngine::position(Body::id_t id) const {
+    const int i = number(id);
+    const Scene& s = scene ? *scene : *Omega::instance().getScene();
+    if (!s.bodies->exists(id))
+        throw std::invalid_argument("GuideEngine.position: body " + std::to_string(id) + " was erased");
+    return place(static_cast<size_t>(i));
+}
 
 int GuideEngine::add(Body::id_t id, const Vector3r& newDirection, Real newFriction, Real newViscous, Real newLower,
                      Real newUpper, const py::object& motion) {
@@ -54,15 +113,20 @@ int GuideEngine::add(Body::id_t id, const Vector3r& newDirection, Real newFricti
     const auto need = [&](bool good, const char* rule) {
         if (!good) throw std::invalid_argument(name + rule);
     };
-    need(s.bodies->exists(id), " does not exist");
+    needSound();
+    checkDriven(s, id, name);
     need(std::find(ids.begin(), ids.end(), id) == ids.end(), " is on a guide already");
-    need(std::isfinite(newDirection.sum()) && newDirection.norm() > 0, ": direction must be finite and not zero");
-    need(std::isfinite(newFriction) && newFriction >= 0, ": friction must be finite and not below zero");
-    need(std::isfinite(newViscous) && newViscous >= 0, ": viscous must be finite and not below zero");
-    need(newLower <= 0 && newUpper >= 0, ": it starts beyond its stops: lower <= 0 <= upper");
+    const Attributes all(name);
+    all.need(finite(newDirection) && newDirection.stableNorm() > 0, "direction", newDirection,
+             "finite, below 1e100, and not zero");
+    all.need(finite(newFriction) && newFriction >= 0, "friction", newFriction, "finite and not below 0");
+    all.need(finite(newViscous) && newViscous >= 0, "viscous", newViscous, "finite and not below 0 [N s/m]");
+    need(newLower <= 0 && newUpper >= 0,
+         text(": lower = ", newLower, " and upper = ", newUpper, ": it starts beyond its stops: lower <= 0 <= upper")
+             .c_str());
     State& state = *(*s.bodies)[id]->state;
     need(!motion.is_none() || state.mass > 0, " has no mass: set state.mass, or give it a motion");
-    const Vector3r along = newDirection.normalized();
+    const Vector3r along = newDirection.stableNormalized();
     ids.push_back(id);
     resize();
     origin.back() = state.pos;
@@ -108,6 +172,7 @@ void GuideEngine::setMotion(Body::id_t id, const py::object& motion) {
 }
 
 void GuideEngine::check() {
+    needSound();
     for (size_t i = 0; i < ids.size(); ++i) {
         if (!scene->bodies->exists(ids[i])) refuse(i, "was erased");
         const State& state = *(*scene->bodies)[ids[i]]->state;
@@ -117,7 +182,16 @@ void GuideEngine::check() {
             refuse(i, "its motion, a Python function of time, is not saved with a scene: setMotion() again");
         (*scene->bodies)[ids[i]]->state->blockedDOFs |= State::DOF_RXRYRZ;
         const ancf_rotor r {driven[i] ? 1 : state.mass, viscous[i], friction[i]};
-        if (const ancf_error error = ancf_rotor_check(&r)) refuse(i, ancf_error_text(error));
+        if (const ancf_error error = ancf_rotor_check(&r))
+            refuse(i, text("state.mass = ", r.inertia, ": ", ancf_error_text(error)));
+        const Vector3r way = state.pos - origin[i];
+        const Real off = (way - direction[i].dot(way) * direction[i]).norm();
+        if (!(off <= 1e-6 * (1 + state.pos.norm())))
+            refuse(i, text("state.pos = (", state.pos[0], ", ", state.pos[1], ", ", state.pos[2], ") is ", off,
+                           " m off its guide: only the guide may move it"));
+        if (!finite(state.vel))
+            refuse(i, text("state.vel = (", state.vel[0], ", ", state.vel[1], ", ", state.vel[2],
+                           "): must be finite, and below 1e100 [m/s]"));
     }
     numberOfBody.assign(scene->bodies->size(), -1);
     for (size_t i = 0; i < ids.size(); ++i) numberOfBody[ids[i]] = static_cast<int>(i);
@@ -132,8 +206,14 @@ void GuideEngine::prepare(Scene& s) {
         check();
     preparedIter = s.iter;
     if (const NewtonIntegrator* newton = newtonOf(s)) gravity = newton->gravity;
-    for (size_t i = 0; i < ids.size(); ++i)
-        if (driven[i]) (*s.bodies)[ids[i]]->state->vel = (distances[i] - place(i)) / s.dt * direction[i];
+    for (size_t i = 0; i < ids.size(); ++i) {
+        if (!driven[i]) continue;
+        const Vector3r vel = (distances[i] - place(i)) / s.dt * direction[i];
+        if (!finite(vel))
+            refuse(i, text("motion = ", distances[i], " m at t = ", s.time + s.dt, " s is ", distances[i] - place(i),
+                           " m away, in one step of ", s.dt, " s: must be a motion that it can follow"));
+        (*s.bodies)[ids[i]]->state->vel = vel;
+    }
 }
 
 void GuideEngine::addMobility(Mobility& m, const Scene& s, const Body& body) const {

@@ -18,7 +18,8 @@ namespace yade {
 
 class GuideEngine : public GlobalEngine, public Drive {
     Schedules motions;
-    vector<int> numberOfBody; // (bodies) or -1
+    vector<int> numberOfBody;  // (bodies) or -1
+    mutable bool sound = true; // false: lists came from outside that checkLists() has not let pass
     Vector3r gravity = Vector3r::Zero();
     long preparedIter = -1;
     int workIx = -1, lossIx = -1;
@@ -26,12 +27,15 @@ class GuideEngine : public GlobalEngine, public Drive {
     [[noreturn]] void refuse(size_t i, const string& text) const;
     int numberOf(const Body& body) const;
     Real place(size_t i) const;
+    void checkLists() const;
+    void needSound() const; // nothing if they passed
     void check();
     void resize();
     void slide(size_t i);
 
 public:
     void action() override;
+    void postLoad(GuideEngine&);
     void prepare(Scene& scene) override;
     const vector<Body::id_t>& bodies() const override { return ids; }
     bool turns(Body::id_t) const override { return false; }
@@ -54,11 +58,11 @@ public:
         ((vector<int>, ids, , Attr::readonly, "Bodies that it moves."))
         ((vector<Vector3r>, origin, , Attr::readonly, "Where they were added [m]."))
         ((vector<Vector3r>, direction, , Attr::readonly, "Unit vectors of their guides."))
-        ((vector<Real>, friction, , , "Coulomb's coefficients [-]; the normal force is all that acts across the guide, gravity included."))
-        ((vector<Real>, viscous, , , "Viscous friction [N s/m]."))
-        ((vector<Real>, lower, , , "Lower stops [m] from the origin."))
-        ((vector<Real>, upper, , , "Upper stops [m] from the origin."))
-        ((vector<Real>, push, , , "Forces along the guides besides all others [N]."))
+        ((vector<Real>, friction, , Attr::triggerPostLoad, "Coulomb's coefficients [-]; the normal force is all that acts across the guide, gravity included."))
+        ((vector<Real>, viscous, , Attr::triggerPostLoad, "Viscous friction [N s/m]."))
+        ((vector<Real>, lower, , Attr::triggerPostLoad, "Lower stops [m] from the origin."))
+        ((vector<Real>, upper, , Attr::triggerPostLoad, "Upper stops [m] from the origin."))
+        ((vector<Real>, push, , Attr::triggerPostLoad, "Forces along the guides besides all others [N]."))
         ((vector<int>, driven, , Attr::readonly, "1 where the motion is prescribed."))
         ((vector<int>, held, , Attr::readonly, "1 where friction holds, 2 at the upper, -2 at the lower stop."))
         ((vector<Real>, rubbing, , Attr::readonly, "Bounds of dry friction in the last step [N]."))

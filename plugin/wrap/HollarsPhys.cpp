@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "HollarsPhys.hpp"
 
+#include "Attributes.hpp"
 #include "CableElement.hpp"
 #include "Drive.hpp"
+#include "LateError.hpp"
 #include "Mobility.hpp"
 #include "Sheave.hpp"
+#include "text.hpp"
 
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
@@ -91,9 +94,32 @@ void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real 
             phys.normalStiffness = given = mat->normalStiffness;
             phys.normalExponent = mat->normalExponent;
         }
-    if (!std::isfinite(phys.normalStiffness))
-        throw std::runtime_error("Ip2_…_HollarsPhys: two bodies that are not spheres touch, so there is no radius "
-                                 "for Hertz: give HollarsMat.normalStiffness");
+}
+
+namespace {
+    string elasticText(const Material* material) {
+        const auto* elastic = dynamic_cast<const ElastMat*>(material);
+        if (!elastic) return "";
+        return text(" (", elastic->getClassName(), " '", elastic->label, "': young = ", elastic->young,
+                    ", poisson = ", elastic->poisson, ")");
+    }
+} // namespace
+
+string lawFault(const HollarsPhys& phys, const Material* first, const Material* second, Real radius) {
+    const ancf_normal law = phys.normalLaw();
+    const ancf_friction rub = phys.frictionLaw();
+    if (std::isinf(radius) && std::isinf(phys.normalStiffness))
+        return "two bodies that are not spheres touch, so there is no radius for Hertz: give "
+               "HollarsMat.normalStiffness";
+    if (ancf_normal_check(&law) || !finite(law.stiffness) || !finite(law.exponent) || !finite(law.damping))
+        return text("normalStiffness = ", law.stiffness, ", normalExponent = ", law.exponent,
+                    ", impactDamping = ", phys.impactDamping, ", dashpot = ", phys.dashpot,
+                    ": must be below 1e100, the first two above 0, the others not below 0", elasticText(first),
+                    elasticText(second));
+    if (ancf_friction_check(&rub) || !finite(rub.mu_s) || !finite(rub.mu_k) || !finite(rub.v0))
+        return text("staticFriction = ", rub.mu_s, ", kineticFriction = ", rub.mu_k, ", transitionVelocity = ", rub.v0,
+                    ": must be below 1e100, the coefficients not below 0, the velocity above 0");
+    return "";
 }
 
 namespace {
@@ -123,8 +149,11 @@ namespace {
     void makePhys(const Scene* scene, const Material& first, const Material& second, Interaction& contact) {
         if (contact.phys) return;
         auto phys = shared_ptr<HollarsPhys>(new HollarsPhys);
-        mixHollars(*phys, static_cast<const ElastMat&>(first), static_cast<const ElastMat&>(second),
-                   contactRadius(scene, contact));
+        const Real radius = contactRadius(scene, contact);
+        mixHollars(*phys, static_cast<const ElastMat&>(first), static_cast<const ElastMat&>(second), radius);
+        if (const string fault = lawFault(*phys, &first, &second, radius); !fault.empty())
+            throwLater(*scene,
+                       text("the contact of bodies ", contact.getId1(), " and ", contact.getId2(), ": ", fault));
         contact.phys = phys;
     }
 } // namespace
@@ -225,6 +254,11 @@ namespace {
 
 bool Law2_ScGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys>& ip, Interaction* contact) {
     const auto& geom = static_cast<const ScGeom&>(*ig);
+    const auto refuse = [&](const string& fault) {
+        throwLater(*scene, text("the contact of bodies ", contact->getId1(), " and ", contact->getId2(), ": ", fault));
+        return true;
+    };
+    if (!isHollars(*ip)) return refuse(text("phys is a ", ip->getClassName(), ": must be the HollarsPhys that it was"));
     auto& phys = static_cast<HollarsPhys&>(*ip);
     phys.normalKind = normalKind;
     phys.frictionKind = frictionKind;
@@ -259,6 +293,12 @@ bool Law2_ScGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
             const Real left = ancf_friction_solve(&rub, speed, w * dt * force, 0.0);
             friction = ancf_friction_coefficient(&rub, left) * force * direction;
         }
+    }
+    if (ancf_normal_check(&law) || ancf_friction_check(&rub) || !std::isfinite(force + c + friction.sum())) {
+        const string fault = lawFault(phys, nullptr, nullptr, std::numeric_limits<Real>::quiet_NaN());
+        return refuse(fault.empty() ? text("depth = ", depth, " m, speed = ", rate, " m/s: a force of ", elasticForce,
+                                           " N: a body's place or velocity is not finite")
+                                    : fault);
     }
     const Real damping = force - elasticForce;
     if (scene->trackEnergy) { // half of a step's work is done at the velocity before, half at that after it
@@ -396,6 +436,8 @@ Real contactTimeStep(const Scene& s, int normalKind, Real speed) {
             HollarsPhys phys;
             setStiffness(phys, *a.material, *b.material, 1 / curvature);
             phys.normalKind = normalKind;
+            if (const string fault = lawFault(phys, a.material, b.material, 1 / curvature); !fault.empty())
+                throw std::invalid_argument("contactTimeStep: " + fault);
             const Real n = normalKind == ANCF_NORMAL_LINEAR ? 1 : phys.normalExponent;
             if (phys.normalStiffness > 0) least = std::min(least, contactTime(phys.normalStiffness, n, speed, answer));
         }

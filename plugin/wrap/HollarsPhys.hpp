@@ -44,15 +44,22 @@ public:
 };
 REGISTER_SERIALIZABLE(HollarsPhys);
 
+inline bool isHollars(const IPhys& phys) { return phys.getClassIndex() == HollarsPhys::getClassIndexStatic(); }
+
 // Radius of a contact [m]: 1 over the sum of mean curvatures, r1 r2/(r1 + r2) for spheres. What is neither sphere nor
 // cable nor sheave is flat; infinite if both are.
 Real radiusOfContact(const Shape& first, const Shape& second);
 
 // Stiffness and exponent of a contact of that radius [m]: a material's own, the softer one if both give it, else Hertz.
+// NaN or infinite where there is none; lawFault() says why.
 void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real radius);
 
 // Laws of two materials: the smaller friction, the larger transition velocity, the mean of the damping.
 void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second, Real radius);
+
+// Why a contact cannot be computed, with the values that are at fault; empty where it can. radius: of the contact [m],
+// NaN where it is not known.
+string lawFault(const HollarsPhys& phys, const Material* first, const Material* second, Real radius);
 
 class Ip2_HollarsMat_HollarsMat_HollarsPhys : public IPhysFunctor {
 public:

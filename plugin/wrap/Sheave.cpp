@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "Sheave.hpp"
 
+#include "text.hpp"
+
+#include <core/Omega.hpp>
 #include <core/Scene.hpp>
 #include <pkg/dem/ScGeom.hpp>
 
@@ -48,6 +51,26 @@ namespace {
     }
 } // namespace
 
+namespace {
+    bool same(const ancf_groove& a, const ancf_groove& b) {
+        return a.radius == b.radius && a.floor == b.floor && a.fillet == b.fillet && a.slope == b.slope &&
+               a.height == b.height && a.land == b.land;
+    }
+
+    // What lies on it would be inside it, or off it.
+    void checkUntouched(const Sheave& sheave, bool otherRadius) {
+        const auto scene = Omega::instance().getScene();
+        for (const auto& body : *scene->bodies) {
+            if (!body || body->shape.get() != &sheave) continue;
+            for (const auto& [id, contact] : body->intrs)
+                if (contact->isReal())
+                    throw std::invalid_argument(
+                        text("Sheave.", otherRadius ? text("radius = ", sheave.radius) : "profile and sizes", ": body ",
+                             body->id, " is in contact with body ", id, ": change it before they touch"));
+        }
+    }
+} // namespace
+
 void Sheave::postLoad(Sheave&) {
     const auto need = [](bool good, const char* name, Real value, const char* rule) {
         if (!good) refuse(name, value, rule);
@@ -65,6 +88,7 @@ void Sheave::postLoad(Sheave&) {
     if (made.height > 0) made.land = flangeThickness > 0 ? flangeThickness : width / 4;
     const ancf_error error = ancf_groove_check(&made);
     if (error) throw std::invalid_argument(string("Sheave: ") + ancf_error_text(error));
+    if (form.radius > 0 && !same(made, form)) checkUntouched(*this, made.radius != form.radius);
     form = made;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "SheaveEngine.hpp"
 
+#include "Attributes.hpp"
 #include "Sheave.hpp"
 
 #include <core/Omega.hpp>
@@ -31,11 +32,55 @@ void SheaveEngine::refuse(size_t i, const string& why) const {
 
 Vector3r SheaveEngine::axis(const State& state) const { return Sheave::axisOf(state.ori); }
 
+void SheaveEngine::checkLists() const {
+    const Attributes all("SheaveEngine");
+    const size_t n = ids.size();
+    const string why = text("one for each of ", n, " ids");
+    all.each(
+        "ids", ids, [](int id) { return id >= 0; }, "a body");
+    all.distinct("ids", ids, "a body turns once");
+    for (const auto& [name, list] :
+         {std::pair("viscous", &viscous), std::pair("dry", &dry), std::pair("torque", &torque),
+          std::pair("contactTorque", &contactTorque), std::pair("driveTorque", &driveTorque),
+          std::pair("angle", &angle), std::pair("work", &work), std::pair("loss", &loss)}) {
+        all.size(name, *list, n, why);
+        all.finiteEach(name, *list);
+    }
+    all.size("speed", speed, n, why);
+    all.size("scripted", scripted, n, why);
+    all.size("stuck", stuck, n, why);
+    all.size("load", load, n, why);
+    all.notNegative("viscous", viscous);
+    all.notNegative("dry", dry);
+    all.each(
+        "speed", speed, [](Real value) { return std::isnan(value) || finite(value); },
+        "finite [rad/s], or NaN for free");
+    all.within("scripted", scripted, numbers, torqueScript + 1, "what is a function of time");
+    all.within("stuck", stuck, 0, 2, "no or yes");
+    all.finiteEach("load", load);
+}
+
+void SheaveEngine::needSound() const {
+    if (sound) return;
+    checkLists();
+    sound = true;
+}
+
+void SheaveEngine::postLoad(SheaveEngine&) {
+    sound = false;
+    needSound();
+    for (size_t i = 0; i < ids.size(); ++i)
+        if (ids[i] >= static_cast<int>(numberOfBody.size()) || numberOfBody[ids[i]] != static_cast<int>(i))
+            preparedIter = -1; // other bodies
+    if (preparedIter < 0) numberOfBody.clear();
+}
+
 int SheaveEngine::numberOf(const Body& body) const {
-    return body.id < static_cast<int>(numberOfBody.size()) ? numberOfBody[body.id] : -1;
+    return sound && body.id < static_cast<int>(numberOfBody.size()) ? numberOfBody[body.id] : -1;
 }
 
 int SheaveEngine::number(Body::id_t id) const {
+    needSound();
     for (size_t i = 0; i < ids.size(); ++i)
         if (ids[i] == id) return static_cast<int>(i);
     throw std::invalid_argument("SheaveEngine: body " + std::to_string(id) + " is not turned by it: add() it first");
@@ -46,7 +91,8 @@ int SheaveEngine::add(Body::id_t id, Real newViscous, Real newDry, const py::obj
     refuseWhileRunning("SheaveEngine.add");
     const Scene& s = scene ? *scene : *Omega::instance().getScene();
     const string name = "SheaveEngine.add: body " + std::to_string(id);
-    if (!s.bodies->exists(id)) throw std::invalid_argument(name + " does not exist");
+    needSound();
+    checkDriven(s, id, name);
     if (std::find(ids.begin(), ids.end(), id) != ids.end()) throw std::invalid_argument(name + " is turned already");
     State& state = *(*s.bodies)[id]->state;
     const ancf_rotor r {1, newViscous, newDry};
@@ -88,8 +134,9 @@ void SheaveEngine::setSpeed(Body::id_t id, const py::object& value) {
     Real fixed = unset;
     if (!value.is_none() && !isFunction(value)) {
         fixed = py::extract<Real>(value);
-        if (!std::isfinite(fixed))
-            throw std::invalid_argument("SheaveEngine: speed of body " + std::to_string(id) + " is not finite");
+        if (!finite(fixed))
+            throw std::invalid_argument(
+                text("SheaveEngine: speed = ", fixed, " of body ", id, ": must be finite, and below 1e100 [rad/s]"));
     }
     speeds.set(i, isFunction(value) ? value : py::object());
     if (isFunction(value)) torques.set(i, py::object());
@@ -104,8 +151,9 @@ void SheaveEngine::setTorque(Body::id_t id, const py::object& value) {
     const int i = number(id);
     if (!isFunction(value)) {
         const Real given = py::extract<Real>(value);
-        if (!std::isfinite(given))
-            throw std::invalid_argument("SheaveEngine: torque of body " + std::to_string(id) + " is not finite");
+        if (!finite(given))
+            throw std::invalid_argument(
+                text("SheaveEngine: torque = ", given, " of body ", id, ": must be finite, and below 1e100 [N m]"));
         torque[i] = given;
     }
     torques.set(i, isFunction(value) ? value : py::object());
@@ -115,9 +163,7 @@ void SheaveEngine::setTorque(Body::id_t id, const py::object& value) {
 }
 
 void SheaveEngine::check() {
-    for (const auto* values : {&viscous, &dry, &torque, &speed})
-        if (values->size() != ids.size())
-            throw std::runtime_error("SheaveEngine: viscous, dry, torque and speed need one value for each of ids");
+    needSound();
     for (size_t i = 0; i < ids.size(); ++i) {
         if (!scene->bodies->exists(ids[i])) refuse(i, "was erased");
         const State& state = *(*scene->bodies)[ids[i]]->state;
@@ -125,7 +171,13 @@ void SheaveEngine::check() {
             refuse(i, "must be blocked in 'XYZ', or NewtonIntegrator turns it a second time");
         ancf_rotor r = rotor(state, i);
         if (prescribed(i)) r.inertia = 1;
-        if (const ancf_error error = ancf_rotor_check(&r)) refuse(i, ancf_error_text(error));
+        if (const ancf_error error = ancf_rotor_check(&r))
+            refuse(i, text("state.inertia[2] = ", r.inertia, ": ", ancf_error_text(error)));
+        if (!finite(state.angVel))
+            refuse(i, text("state.angVel = (", state.angVel[0], ", ", state.angVel[1], ", ", state.angVel[2],
+                           "): must be finite, and below 1e100 [rad/s]"));
+        if (!(std::abs(state.ori.norm() - 1) < 1e-6))
+            refuse(i, text("state.ori has the norm ", state.ori.norm(), ": must be that of a rotation, 1"));
         if (scripted[i] && !(scripted[i] == speedScript ? speeds : torques).has(static_cast<int>(i)))
             refuse(i, "its Python function of time is not saved with a scene: set it again");
     }

@@ -18,7 +18,8 @@ namespace yade {
 
 class SheaveEngine : public GlobalEngine, public Drive {
     Schedules speeds, torques;
-    vector<int> numberOfBody; // (bodies) or -1
+    vector<int> numberOfBody;  // (bodies) or -1
+    mutable bool sound = true; // false: lists came from outside that checkLists() has not let pass
     long preparedIter = -1;
     int workIx = -1, lossIx = -1;
 
@@ -27,12 +28,15 @@ class SheaveEngine : public GlobalEngine, public Drive {
     ancf_rotor rotor(const State& state, size_t i) const { return {state.inertia[2], viscous[i], dry[i]}; }
     Vector3r axis(const State& state) const;
     int numberOf(const Body& body) const;
+    void checkLists() const;
+    void needSound() const; // nothing if they passed
     void check();
     void resize();
     void turn(size_t i);
 
 public:
     void action() override;
+    void postLoad(SheaveEngine&);
     void prepare(Scene& scene) override;
     const vector<Body::id_t>& bodies() const override { return ids; }
     bool turns(Body::id_t id) const override { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
@@ -52,10 +56,10 @@ public:
         "frictions at the new speed; or at a prescribed speed. J is state.inertia[2]. The bodies are blocked in 'XYZ'; "
         "where they go is their own affair. After CableEngine, before NewtonIntegrator.",
         ((vector<int>, ids, , Attr::readonly, "Bodies that it turns."))
-        ((vector<Real>, viscous, , , "Viscous friction of the bearings [N m s]."))
-        ((vector<Real>, dry, , , "Dry friction of the bearings [N m]."))
-        ((vector<Real>, torque, , , "Drive torques [N m]."))
-        ((vector<Real>, speed, , , "Prescribed speeds [rad/s]; NaN: free."))
+        ((vector<Real>, viscous, , Attr::triggerPostLoad, "Viscous friction of the bearings [N m s]."))
+        ((vector<Real>, dry, , Attr::triggerPostLoad, "Dry friction of the bearings [N m]."))
+        ((vector<Real>, torque, , Attr::triggerPostLoad, "Drive torques [N m]."))
+        ((vector<Real>, speed, , Attr::triggerPostLoad, "Prescribed speeds [rad/s]; NaN: free."))
         ((vector<int>, scripted, , Attr::readonly, "1: the speed, 2: the torque is a Python function of time."))
         ((vector<int>, stuck, , Attr::readonly, "1 where dry friction holds."))
         ((vector<Real>, contactTorque, , Attr::readonly, "Torques of contacts in the last step [N m]."))

@@ -357,6 +357,9 @@ static void bad_models_are_refused(void** state) {
         ancf_error error;
         ancf_element element;
     } bad[] = {
+        {ANCF_E_KIND, {.kind = 16, .length = 1.0, .ea = 1.0, .rho_a = 1.0}},
+        {ANCF_E_KIND, {.kind = ANCF_LUMPED | 1 << 30, .length = 1.0, .ea = 1.0, .rho_a = 1.0}},
+        {ANCF_E_KIND, {.kind = -1, .length = 1.0, .ea = 1.0, .rho_a = 1.0}},
         {ANCF_E_LENGTH, {.length = 0.0, .ea = 1.0, .rho_a = 1.0}},
         {ANCF_E_LENGTH, {.length = NAN, .ea = 1.0, .rho_a = 1.0}},
         {ANCF_E_STIFFNESS, {.length = 1.0, .ea = -1.0, .rho_a = 1.0}},

@@ -194,11 +194,39 @@ static void any_value_that_is_no_number_is_seen(void** state) {
     build_free(&b);
 }
 
+// What the formula cannot compute is no step at all, and the element is named; a short one would be a lie.
+static void extremes_give_no_step(void** state) {
+    (void)state;
+    const ancf_element extreme[] = {
+        {.kind = ANCF_LUMPED, .length = 1e-300, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3},
+        {.kind = 0, .length = 1e-300, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3},
+        {.kind = 0, .length = 1.0, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1e-300},
+        {.kind = 0, .length = 1.0, .ea = 1e300, .ei = 2.2e-5, .rho_a = 1.1e-3},
+        {.kind = 0, .length = 1.0, .ea = 350.0, .ei = 1e300, .rho_a = 1.1e-3},
+        {.kind = ANCF_SPRING, .length = 1.0, .ea = 1e-300, .rho_a = 1e300},
+        {.kind = ANCF_LUMPED, .length = 1.0, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3, .damping = 1e300},
+    };
+    for (size_t k = 0; k < sizeof extreme / sizeof *extreme; ++k) {
+        ancf_element pair[2] = {{.length = 1.0, .ea = 350.0, .rho_a = 1.1e-3}, extreme[k]};
+        int at = -1;
+        const double own = ancf_critical_step(&(ancf_model) {.n_elements = 1, .element = &pair[1]}, 0.1, &at);
+        assert_int_equal(at, 0);
+        if (isfinite(own) && own > 0.0) fail_msg("element %zu: a step of %g s", k, own);
+        const double both = ancf_critical_step(&(ancf_model) {.n_elements = 2, .element = pair}, 0.1, &at);
+        assert_int_equal(at, own == INFINITY ? 0 : 1); // one without any stiffness limits nothing
+        assert_true(own == INFINITY || !(both > 0.0));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(element_frequency_is_the_largest), cmocka_unit_test(rule_by_hand),
-        cmocka_unit_test(rule_is_stable_and_tight),         cmocka_unit_test(strain_makes_the_step_shorter),
-        cmocka_unit_test(speeds_are_compared_along_axes),   cmocka_unit_test(any_value_that_is_no_number_is_seen),
+        cmocka_unit_test(element_frequency_is_the_largest),
+        cmocka_unit_test(rule_by_hand),
+        cmocka_unit_test(rule_is_stable_and_tight),
+        cmocka_unit_test(strain_makes_the_step_shorter),
+        cmocka_unit_test(speeds_are_compared_along_axes),
+        cmocka_unit_test(any_value_that_is_no_number_is_seen),
+        cmocka_unit_test(extremes_give_no_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -223,9 +223,9 @@ def test_refused_when_it_is_chosen_or_comes_later(scene):
 def test_spectral_radius(scene, value):
     c = rope()
     start(c, 1e-3)
-    c.engine.spectralRadius = value
-    with pytest.raises(RuntimeError, match="spectralRadius"):
-        O.step()
+    with pytest.raises(ValueError, match="spectralRadius"):
+        c.engine.spectralRadius = value
+    O.step()
 
 
 def test_step_that_does_not_converge_is_named(scene):
@@ -233,7 +233,7 @@ def test_step_that_does_not_converge_is_named(scene):
     start(c, 1e-3)
     steps(3)
     before = list(c.engine.position)
-    c.load(-1, (0, 0, 1e300))
+    c.load(-1, (0, 0, 1e90))
     with pytest.raises(RuntimeError, match="O.dt = 0.001 s does not converge.*element 11"):
         O.step()
     assert list(c.engine.position) == before and c.engine.rejectedSteps == 11

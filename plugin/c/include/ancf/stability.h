@@ -8,7 +8,8 @@
 double ancf_element_frequency(const ancf_element* element);
 
 // Stable step [s] at a largest strain, h = 0.9 (2/w)(sqrt(1 + z^2) - z) with z = damping w/2 and w times
-// sqrt(1 + 3 strain); *element is the one that sets it.
+// sqrt(1 + 3 strain); *element is the one that sets it. Not a number, 0 or infinite for values that are too far from
+// those of a cable, in that element.
 double ancf_critical_step(const ancf_model* m, double strain, int* element);
 
 // Largest difference of the velocities of two nodes along an axis [m/s]: over the shortest length a bound on how fast

@@ -77,7 +77,7 @@ template <class C, class T> py::object attributeGetter(T C::*member) {
     else return py::make_getter(member, ByValue());
 }
 
-// A value that postLoad refuses does not stay.
+// A value that postLoad refuses does not stay; the object is what it was before.
 template <class C, class T> py::object attributeSetter(T C::*member, int flags) {
     auto set = [member, flags](C& object, const py::object& given) {
         T value = FromPython<T>::read(given), old = object.*member;
@@ -86,6 +86,10 @@ template <class C, class T> py::object attributeSetter(T C::*member, int flags) 
             if (flags & Attr::triggerPostLoad) object.callPostLoad();
         } catch (...) {
             object.*member = old;
+            try {
+                object.callPostLoad();
+            } catch (const std::exception&) { // it was refused before, too
+            }
             throw;
         }
     };
