@@ -76,6 +76,9 @@ void CableEngine::atHome() {
     for (CableEngine* engine : allEngines()) {
         const bool began = engine->home.owner_before(none) || none.owner_before(engine->home);
         if (began && engine->home.expired()) engine->forget();
+        // One that this takes the place of: elements look for the engine of their family anew.
+        const bool here = !engine->home.owner_before(home) && !home.owner_before(engine->home);
+        if (engine != this && here && engine->family == family) engine->changed();
     }
 }
 

@@ -134,18 +134,19 @@ void CableEngine::checkBodies() const {
 }
 
 void CableEngine::lookAtBodies() const {
-    elementBodies.assign(elementIds.size(), {nullptr, nullptr});
-    for (int e = 0; e < static_cast<int>(elementIds.size()); ++e) {
+    elementBodies.clear(); // looked at again, as long as one is refused
+    vector<Shown> all(elementIds.size(), {nullptr, nullptr});
+    for (size_t e = 0; e < all.size(); ++e) {
         if (elementIds[e] < 0) continue;
-        const Body& body = elementBody(e);
-        if (!shows(body, e, family)) {
-            elementBodies.clear();
+        const int element = static_cast<int>(e);
+        const Body& body = elementBody(element);
+        if (!shows(body, element, family))
             refuse(text(fullName(body), " stands in the place of element ", e,
                         ", whose body or shape was replaced: give it back body.shape, or erase the whole cable with "
                         "its engine"));
-        }
-        elementBodies[static_cast<size_t>(e)] = {&body, body.shape.get()};
+        all[e] = {&body, body.shape.get()};
     }
+    elementBodies = std::move(all);
 }
 
 // Bodies that nodes carry or follow are those that they were, and can be moved. True: the model has other masses.
