@@ -43,7 +43,7 @@ void CableEngine::changed() {
     touching.reset();
     implicit.reset();
     model.reset();
-    pairsChecked = partnersChecked = false;
+    pairsChecked = partnersChecked = balanced = false;
     openAccounts.clear();
 }
 
@@ -56,7 +56,10 @@ namespace {
     }
 } // namespace
 
-void CableEngine::preSave(CableEngine&) { touching.keep(crossPairs, crossValues); }
+void CableEngine::preSave(CableEngine&) {
+    touching.keep(crossPairs, crossValues);
+    keepBalance();
+}
 
 void CableEngine::postSave(CableEngine&) {
     crossPairs.clear();
@@ -278,9 +281,12 @@ void CableEngine::load(int node, const Vector3r& force) {
     node = tied(node);
     const auto found = std::find(loadNodes.begin(), loadNodes.end(), node);
     if (found != loadNodes.end()) {
-        loads[static_cast<size_t>(found - loadNodes.begin())] = force;
+        Vector3r& now = loads[static_cast<size_t>(found - loadNodes.begin())];
+        bookLoad(node, force - now);
+        now = force;
         return;
     }
+    bookLoad(node, force);
     loadNodes.push_back(node);
     loads.push_back(force);
 }
@@ -341,6 +347,7 @@ void CableEngine::setVelocities(int firstNode, const py::object& ofNodes, int fi
     for (int i = 0; i < 2 * e; ++i)
         setNode(velocity.data(), stride, nNodes + (i % 2) * nElements() + firstElement + i / 2,
                 Vector3r(slopes[3 * i], slopes[3 * i + 1], slopes[3 * i + 2]));
+    balanced = false;
 }
 
 void CableEngine::tie(int node, int other) {

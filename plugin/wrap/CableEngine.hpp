@@ -44,6 +44,12 @@ class CableEngine : public GlobalEngine {
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
+    struct Worked { // a node that something does work on in a step
+        int node, carried; // number in carryNodes if that is a force on the body there, or -1: what leads it
+        Vector3r before;   // its velocity [m/s]
+    };
+    vector<Worked> worked;
+    bool balanced = false, balanceGoesOn = false; // sums are those of this model; and what they began with
     bool pairsChecked = false, partnersChecked = false;
     struct Looked {
         Body::id_t id;
@@ -93,8 +99,21 @@ class CableEngine : public GlobalEngine {
     void startAfresh();
     void stepExplicit(int inside);
     void stepImplicit();
-    void noteEnergy(const ancf_time& time);
+    void measureEnergy(const ancf_time& time);
+    void noteEnergy();
     void trackEnergy();
+    Real markOfState() const;
+    void keepBalance();
+    bool balanceDue();
+    bool lossesKnown() const;
+    void lookAtBalance(const ancf_time& time);
+    void judgeBalance(Real found);
+    void noteWorked();
+    void bookWorked(const ancf_time& time);
+    void checkFound();
+    void bookContacts();
+    void bookLoad(int node, const Vector3r& change);
+    void bookDamping();
 
 public:
     // What the elements' bodies of an engine of that family read; null if there is none or it cannot be built.
@@ -201,6 +220,9 @@ public:
         ((vector<Real>, crossValues, , Attr::hidden, "Nine values of each: friction [N], places, late impulse [N s²], owed work [J]."))
         ((vector<Real>, watched, , Attr::hidden, "Of the watch over the step: steps taken, those that look next, the bound of all strains and the strain that automatic steps have room for."))
         ((vector<Real>, openAccounts, , Attr::hidden, "Number of the last step with energies tracked, and what of it the next one counts: height, elastic energy, damping and friction of contacts, damping of cables, lift of bodies [J]."))
+        ((Real, energyTolerance, .02, Attr::triggerPostLoad, "Share of the largest energy or work so far by which what cables and contacts store and take out may be out of balance with the work on them: beyond it the run stops. inf: not watched."))
+        ((Real, energyOff, 0, Attr::readonly, "That share, when it was last looked at: above 0 energy was gained. Where damping is not known (without O.trackEnergy) it goes down by what damping takes out."))
+        ((vector<Real>, balance, , Attr::hidden, "Sums of the energy watch [J]."))
         ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
         ,
         .add_property("stride", &CableEngine::getStride, "Length of a block of `position`.")
