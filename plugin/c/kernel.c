@@ -58,8 +58,8 @@ ANCF_INLINE void vectors_of(double d[3], double q[3], double k[3], const double*
 }
 
 // Forces of an element by the derivatives h.
-ANCF_INLINE void forces_of(const ancf_fields* K, int e, const double h[ANCF_GRAM], const double d[3],
-                           const double q[3], const double k[3]) {
+ANCF_INLINE void forces_of(const ancf_fields* K, int e, const double h[ANCF_GRAM], const double d[3], const double q[3],
+                           const double k[3]) {
     for (int c = 0; c < 3; ++c) {
         const double on_d = 2.0 * h[ANCF_DD] * d[c] + h[ANCF_DQ] * q[c] + h[ANCF_DK] * k[c],
                      on_q = 2.0 * h[ANCF_QQ] * q[c] + h[ANCF_DQ] * d[c] + h[ANCF_QK] * k[c],
@@ -184,8 +184,8 @@ ANCF_INLINE void books_of(ancf_account* account, const ancf_fields* fields, cons
         if (bending == ANCF_EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 0.0);
         forces_of(&K, e, h, d, q, k);
     }
-    *account = (ancf_account) {.axial = sum_of(axial, K.n),
-                               .bending = bending == ANCF_STRAIGHT ? 0.0 : sum_of(bent, K.n)};
+    *account =
+        (ancf_account) {.axial = sum_of(axial, K.n), .bending = bending == ANCF_STRAIGHT ? 0.0 : sum_of(bent, K.n)};
 }
 
 #define ANCF_BOOKS(name, bending, damped)                                                                              \
@@ -232,9 +232,7 @@ ANCF_CLONES static void books_spring_damped(ancf_account* account, const ancf_fi
 
 void ancf_kernel_books(ancf_account* account, const ancf_fields* fields, int kind, bool bending, bool damped) {
     static void (*const beams[ANCF_BENDINGS][2])(ancf_account*, const ancf_fields*, const ancf_rule*) = {
-        {books_straight, books_straight_damped},
-        {books_fast, books_fast_damped},
-        {books_exact, books_exact_damped}};
+        {books_straight, books_straight_damped}, {books_fast, books_fast_damped}, {books_exact, books_exact_damped}};
     const ancf_rule rule = ancf_rule_of(kind);
     if (!(kind & ANCF_SPRING)) beams[ancf_bending_of(kind, bending)][damped](account, fields, &rule);
     else if (damped) books_spring_damped(account, fields);

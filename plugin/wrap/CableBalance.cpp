@@ -22,29 +22,29 @@ extern "C" {
 namespace yade {
 
 namespace {
-    constexpr Real interval = 50;  // steps between two looks at the energy, at most
-    constexpr Real part = .2;      // of the tolerance: what contacts may exchange between two looks
-    constexpr Real rounding = 1e-9; // of the potential of gravity: below it nothing is told apart from rounding
+    constexpr Real interval = 100;    // steps between two looks at the energy, at most
+    constexpr Real part = .2;         // of the tolerance: what contacts may exchange between two looks
+    constexpr Real rounding = 1e-9;   // part of the potential of gravity that may be
+    constexpr Real negligible = 1e-6; // strain with whose energy the scale starts
 
     // What CableEngine.balance holds.
     enum Sum {
-        NEXT,        // steps to the next look
-        MARK,        // of the state in which it was saved; 0: was not
-        BOOKED,      // 1: with O.trackEnergy, so that damping is known
-        BASE,        // sum of energies that is balanced [J]
-        OFF,         // by which it was not, at the last look [J]
-        LOWEST,      // that was at least [J]
-        SCALE,       // largest energy or work so far [J]
-        START,       // potential of gravity at BASE [J]
-        OUTER,       // work of what leads nodes, of forces on carried bodies, and changes of loads [J]
-        GIVEN,       // to bodies by contacts and couplings [J]
-        TAKEN,       // from them [J]
-        LOST,        // in contacts, by damping and friction [J]
-        SLOWED,      // by damping of cables, as far as it is known [J]
-        STORED,      // in contacts, at the end of the last step [J]
-        FOUND,       // what they were found to store besides, in all [J]
-        SEEN,        // of that, at the last look [J]
-        EXCHANGED,   // by contacts since then [J]
+        NEXT,      // steps to the next look
+        MARK,      // of the state in which it was saved; 0: was not
+        BOOKED,    // 1: with O.trackEnergy, so that damping is known
+        FRESH,     // 1: what contacts store in this step is where the sum begins
+        BASE,      // sum of energies that is balanced [J]
+        LOWEST,    // that was at least [J]
+        START,     // potential of gravity at BASE [J]
+        OUTER,     // work of what leads nodes, of forces on carried bodies, and changes of loads [J]
+        GIVEN,     // to bodies by contacts and couplings [J]
+        TAKEN,     // from them [J]
+        LOST,      // in contacts, by damping and friction [J]
+        SLOWED,    // by damping of cables, as far as it is known [J]
+        STORED,    // in contacts, at the end of the last step [J]
+        FOUND,     // what they were found to store besides, in all [J]
+        SEEN,      // of that, at the last look [J]
+        EXCHANGED, // by contacts since then [J]
         SUMS
     };
 
@@ -130,17 +130,21 @@ void CableEngine::lookAtBalance(const ancf_time& time) {
     const Real slowed = model->track && !implicit && integrator == "leapfrog"
                             ? b[SLOWED] - ancf_kick(&time) / 2 * model->damping_power[0]
                             : b[SLOWED];
-    const Real now =
-        kineticAt + elasticAt + potential + b[STORED] + b[LOST] + b[GIVEN] - b[TAKEN] + slowed - b[OUTER];
+    Real now = kineticAt + elasticAt + potential + b[STORED] + b[LOST] + b[GIVEN] - b[TAKEN] + slowed - b[OUTER];
+    for (const Worked& one : worked) now -= forceOf(one).dot(time.last / 2 * one.before);
     if (!balanceGoesOn) {
-        b[BASE] = now - b[OFF];
+        b[BASE] = now - energyOff;
         b[START] = potential;
+        b[FRESH] = 1;
+        Real floor = 0;
+        for (int e = 0; e < nElements(); ++e) floor += ea[e] * length[e] / 2 * negligible * negligible;
+        energyScale = std::max(energyScale, floor);
     }
     balanceGoesOn = true;
-    b[OFF] = now - b[BASE];
-    b[LOWEST] = std::min(b[LOWEST], b[OFF]);
-    b[SCALE] = std::max({b[SCALE], kineticAt + elasticAt + b[STORED], std::abs(b[OUTER]), b[GIVEN], b[TAKEN],
-                         b[LOST] + slowed, std::abs(potential - b[START]), rounding * std::abs(potential)});
+    energyOff = now - b[BASE];
+    b[LOWEST] = std::min(b[LOWEST], energyOff);
+    energyScale = std::max({energyScale, kineticAt + elasticAt + b[STORED], std::abs(b[OUTER]), b[GIVEN], b[TAKEN],
+                            b[LOST] + slowed, std::abs(potential - b[START]), rounding * std::abs(potential)});
     b[SEEN] = b[FOUND];
     b[EXCHANGED] = 0;
     b[NEXT] = interval - 1;
@@ -149,23 +153,26 @@ void CableEngine::lookAtBalance(const ancf_time& time) {
 
 // found: what contacts are found to store in this step besides what the one before had left.
 void CableEngine::judgeBalance(Real found) {
-    vector<Real>& b = balance;
-    const Real off = b[OFF] + b[FOUND] - b[SEEN] + found, contacts = b[FOUND] + found;
-    const Real from = implicit ? 0 : std::min(b[LOWEST], off);
-    const Real gained = lossesKnown() ? off : off - from, most = energyTolerance * b[SCALE];
-    const bool byContacts = std::abs(contacts) > std::abs(gained) / 2;
-    energyOff = b[SCALE] > 0 ? off / b[SCALE] : 0;
-    const Real worst = lossesKnown() ? std::abs(off) : gained;
-    if (worst <= most && std::abs(contacts) <= most) return;
-    const Real amount = worst > most || !std::isfinite(worst) ? (lossesKnown() ? off : gained) : contacts;
+    const vector<Real>& b = balance;
+    const Real off = energyOff + b[FOUND] - b[SEEN] + found, contacts = b[FOUND] + found;
+    const Real most = energyTolerance * energyScale;
+    // Damping takes out what is not known: then what has been gained since the sum was lowest.
+    Real amount = off;
+    if (!lossesKnown()) amount -= implicit ? std::min(off, 0.) : std::min(b[LOWEST], off);
+    if (std::abs(amount) <= most && std::abs(contacts) <= most) return;
+    if (!std::isfinite(amount))
+        refuse(text("at iteration ", scene->iter, " the energy is no longer finite: a force or a velocity was not"));
+    const bool byContacts = std::abs(contacts) > std::abs(amount) / 2;
+    if (std::abs(amount) <= most) amount = contacts;
     int element = 0;
     const Real strain = ancf_strain_max(model.get(), model->x, &element);
     string where = byContacts ? touching.mostFound() : string();
     if (where.empty()) where = text("element ", element, ", which has the largest strain, ", strain);
     refuse(text("at iteration ", scene->iter, " the energy is out of balance: ", std::abs(amount), " J were ",
-                amount < 0 ? "lost" : "gained", ", ", 100 * std::abs(amount) / b[SCALE], " % of ", b[SCALE], " J, by ",
-                where, ". The step O.dt = ", scene->dt, " s is too long for that: use half of it, or damping; "
-                "energyTolerance = ", energyTolerance, " is the share that may be out of balance, inf ends this watch"));
+                amount < 0 ? "lost" : "gained", ", ", 100 * std::abs(amount) / energyScale, " % of ", energyScale,
+                " J, most likely by ", where, ". The step O.dt = ", scene->dt,
+                " s is too long for that: use O.dt = ", scene->dt / 2,
+                " s, or damping (energyTolerance = ", energyTolerance, " is the share allowed; inf: no watch)"));
 }
 
 // ---------------------------------------------------------------- booked in steps
@@ -187,23 +194,23 @@ void CableEngine::noteWorked() {
     if (!worked.empty() && integrator != "leapfrog") balanceGoesOn = false; // their work is not known
 }
 
-// The work on them, as leapfrog has it: by forces at the ends of each way.
+Vector3r CableEngine::forceOf(const Worked& one) const {
+    if (one.carried >= 0) return carriedForce[one.carried];
+    Vector3r force;
+    ancf_reaction(force.data(), model.get(), one.node);
+    return force;
+}
+
+// The work on them, as leapfrog has it: each way goes with the mean of the forces at its ends.
 void CableEngine::bookWorked(const ancf_time& time) {
     const ancf_model* m = model.get();
     for (const Worked& one : worked) {
         const Vector3r after = nodeOf(m->v, m->stride, one.node);
-        const Vector3r way = (time.last * one.before + time.step * after) / 2;
-        Vector3r force, impulse;
-        if (one.carried >= 0) {
-            force = carriedForce[one.carried];
-        } else {
-            ancf_reaction(force.data(), m, one.node);
-            if (touching.displacement()) {
-                touching.impulseOn(impulse, one.node);
-                balance[OUTER] -= impulse.dot(one.before + after) / 2;
-            }
-        }
-        balance[OUTER] += force.dot(way);
+        balance[OUTER] += forceOf(one).dot(time.last * one.before + time.step * after) / 2;
+        if (one.carried >= 0 || !touching.displacement()) continue;
+        Vector3r impulse; // of contacts, that what leads the node takes
+        touching.impulseOn(impulse, one.node);
+        balance[OUTER] -= impulse.dot(one.before + after) / 2;
     }
 }
 
@@ -211,7 +218,13 @@ void CableEngine::bookWorked(const ancf_time& time) {
 void CableEngine::checkFound() {
     if (!balanced || !balanceGoesOn) return;
     const Real found = touching.found() - balance[STORED];
-    if (found != 0) judgeBalance(found);
+    if (balance[FRESH] != 0) {
+        balance[FRESH] = 0;
+        balance[BASE] += found;
+        balance[STORED] += found;
+    } else if (found != 0) {
+        judgeBalance(found);
+    }
 }
 
 void CableEngine::bookContacts() {
@@ -219,13 +232,14 @@ void CableEngine::bookContacts() {
     vector<Real>& b = balance;
     const CableContacts::Energies e = touching.energies();
     b[FOUND] += e.found - b[STORED];
-    b[EXCHANGED] += std::abs(e.found - b[STORED]) + std::abs(e.elastic - b[STORED]) + e.damped + e.rubbed + e.given + e.taken;
+    b[EXCHANGED] +=
+        std::abs(e.found - b[STORED]) + std::abs(e.elastic - b[STORED]) + e.damped + e.rubbed + e.given + e.taken;
     b[STORED] = e.elastic;
     if (e.elastic > 0) touching.noteFullest();
     b[LOST] += e.damped + e.rubbed;
     b[GIVEN] += e.given;
     b[TAKEN] += e.taken;
-    if (b[EXCHANGED] > part * energyTolerance * b[SCALE]) b[NEXT] = 0;
+    if (b[EXCHANGED] > part * energyTolerance * energyScale) b[NEXT] = 0;
 }
 
 void CableEngine::bookLoad(int node, const Vector3r& change) {

@@ -109,6 +109,7 @@ class CableEngine : public GlobalEngine {
     void lookAtBalance(const ancf_time& time);
     void judgeBalance(Real found);
     void noteWorked();
+    Vector3r forceOf(const Worked& one) const;
     void bookWorked(const ancf_time& time);
     void checkFound();
     void bookContacts();
@@ -220,9 +221,10 @@ public:
         ((vector<Real>, crossValues, , Attr::hidden, "Nine values of each: friction [N], places, late impulse [N s²], owed work [J]."))
         ((vector<Real>, watched, , Attr::hidden, "Of the watch over the step: steps taken, those that look next, the bound of all strains and the strain that automatic steps have room for."))
         ((vector<Real>, openAccounts, , Attr::hidden, "Number of the last step with energies tracked, and what of it the next one counts: height, elastic energy, damping and friction of contacts, damping of cables, lift of bodies [J]."))
-        ((Real, energyTolerance, .02, Attr::triggerPostLoad, "Share of the largest energy or work so far by which what cables and contacts store and take out may be out of balance with the work on them: beyond it the run stops. inf: not watched."))
-        ((Real, energyOff, 0, Attr::readonly, "That share, when it was last looked at: above 0 energy was gained. Where damping is not known (without O.trackEnergy) it goes down by what damping takes out."))
-        ((vector<Real>, balance, , Attr::hidden, "Sums of the energy watch [J]."))
+        ((Real, energyTolerance, .02, Attr::triggerPostLoad, "Energy watch: share of `energyScale` by which what the cables and their contacts store, give and lose may differ from the work done on them; beyond it the run stops. inf: no watch."))
+        ((Real, energyOff, 0, Attr::readonly, "That difference when it was last looked at, above 0: gained. Without O.trackEnergy it goes down by what damping of the cables takes out [J]."))
+        ((Real, energyScale, 0, Attr::readonly, "Largest of their energies and works so far [J]."))
+        ((vector<Real>, balance, , Attr::hidden, "Sums of the energy watch."))
         ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
         ,
         .add_property("stride", &CableEngine::getStride, "Length of a block of `position`.")

@@ -178,13 +178,13 @@ void CableEngine::stepExplicit(int inside) {
     for (int k = 0; k < inside; ++k) {
         const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
         if (!alone) ancf_predict(model.get(), &time);
+        noteWorked();
         if (k == 0 && measured) measureEnergy(time);
         if (k == 0 && scene->trackEnergy) noteEnergy();
         if (k == 0 && look) lookAtBalance(time);
         if (k == 0 && !alone) touching.gather(*this);
         touching.solve(*this, time, k, inside);
         if (k == 0) checkFound();
-        noteWorked();
         if (integrator == "rk4") {
             if (touching.displacement())
                 refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
@@ -212,8 +212,8 @@ void CableEngine::stepImplicit() {
     const bool look = balanceDue();
     if (look || scene->trackEnergy) measureEnergy(time);
     if (scene->trackEnergy) noteEnergy();
-    if (look) lookAtBalance(time);
     noteWorked();
+    if (look) lookAtBalance(time);
     const ancf_error error =
         ancf_implicit_step(implicit.get(), model.get(), acceleration.data(), &time, std::max(1, substeps));
     rejectedSteps = static_cast<int>(implicit->rejected);

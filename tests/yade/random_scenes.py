@@ -128,8 +128,8 @@ def addBalls(random):
         O.bodies.append(body)
 
 
-def build(seed):
-    """The scene of a seed, in O."""
+def build(seed, tolerance=None):
+    """The scene of a seed, in O; tolerance: of the energy watch, None: as it is by default."""
     random = np.random.default_rng(seed)
     O.reset()
     O.trackEnergy = True
@@ -142,8 +142,11 @@ def build(seed):
     hold(random, cable)
     contact = dict(normal=pick(random, "nonlinear", "hertz"), friction=pick(random, "hollars", "coulomb", "none"))
     gravity = pick(random, (0, 0, 0), (0, 0, -9.81))
-    O.engines = ancf.engines(cable, gravity=gravity, contact=contact)
-    O.dt *= pick(random, 1, 1, 0.5, 2)
+    steps = pick(random, "auto", "auto", 2, 3)
+    O.engines = ancf.engines(cable, gravity=gravity, contact=contact, substeps=steps)
+    O.dt *= pick(random, 1, 0.5)
+    if tolerance is not None:
+        cable.engine.energyTolerance = tolerance
 
 
 def run(steps=STEPS):
@@ -171,23 +174,23 @@ def run(steps=STEPS):
     return ("sound" if share < SOUND else "silent"), worst, ""
 
 
-def scene(seed, steps=STEPS):
+def scene(seed, steps=STEPS, tolerance=None):
     """One scene: (what became of it, worst share, what was told)."""
     warnings.simplefilter("ignore")
     try:
-        build(seed)
+        build(seed, tolerance)
     except (RuntimeError, ValueError) as error:
         return "refused", 0.0, " ".join(str(error).split())
     return run(steps)
 
 
-def _child(seed, steps, pipe):
-    pipe.send(scene(seed, steps))
+def _child(seed, steps, tolerance, pipe):
+    pipe.send(scene(seed, steps, tolerance))
     pipe.close()
     os._exit(0)  # nothing of YADE's is left to end
 
 
-def scenes(seeds, jobs, steps=STEPS):
+def scenes(seeds, jobs, steps=STEPS, tolerance=None):
     """Yields (seed, what became of it, worst share, what was told) for each, as they end."""
     context = multiprocessing.get_context("fork")
     waiting, running = list(seeds)[::-1], {}
@@ -195,7 +198,7 @@ def scenes(seeds, jobs, steps=STEPS):
         while waiting and len(running) < jobs:
             seed = waiting.pop()
             here, there = context.Pipe(duplex=False)
-            process = context.Process(target=_child, args=(seed, steps, there))
+            process = context.Process(target=_child, args=(seed, steps, tolerance, there))
             process.start()
             there.close()
             running[seed] = process, here, time.monotonic()
@@ -225,13 +228,14 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--steps", type=int, default=STEPS)
     parser.add_argument("--seed", type=int, help="this one alone, in this process")
+    parser.add_argument("--tolerance", type=float, help="of the energy watch; inf: without it")
     args = parser.parse_args()
     if args.seed is not None:
-        print(args.seed, *scene(args.seed, args.steps))
+        print(args.seed, *scene(args.seed, args.steps, args.tolerance))
         print(dict(O.energy.items()))
         return 0
     counts, worst = collections.Counter(), 0.0
-    for seed, end, share, told in scenes(range(args.first, args.first + args.count), args.jobs, args.steps):
+    for seed, end, share, told in scenes(range(args.first, args.first + args.count), args.jobs, args.steps, args.tolerance):
         print(f"{seed} {end} {share:.1e} {told}", flush=True)
         counts[end] += 1
         worst = max(worst, share) if end == "sound" else worst
