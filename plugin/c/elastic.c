@@ -102,10 +102,22 @@ double ancf_elastic_power(const ancf_model* m, const double* v) {
     return sum;
 }
 
-double ancf_damping_power(ancf_model* m, const double* x, const double* v) {
-    ancf_books books;
-    ancf_elastic_force_booked(&books, m, m->work + 6 * (size_t)m->stride, x, v);
-    return -books.power;
+double ancf_damping_power(const ancf_model* m, const double* x, const double* v) {
+    double way[3][ANCF_TILE], wayv[3][ANCF_TILE], force[9][ANCF_TILE], sum = 0.0, power;
+    ancf_account unused;
+    for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
+        if (!slows(t)) continue;
+        ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
+        for (int c = 0; c < 3; ++c) {
+            k.f0[c] = force[c];
+            k.f1[c] = force[3 + c];
+            k.fd[c] = force[6 + c];
+        }
+        ancf_kernel_books(&unused, &k, t->kind, t->bending, true);
+        ancf_kernel_power(&power, &k);
+        sum -= power;
+    }
+    return sum;
 }
 
 // r' and its rate at xi.

@@ -85,7 +85,7 @@ void ancf_rk4(ancf_model* m, double step) {
         }
         for (int i = 0; i < n; ++i) v[i] = v0[i] + (s ? at[s] * step * m->a[i] : 0.0);
         ancf_acceleration(m, x, v);
-        if (track) damping += weight[s] * ancf_elastic_account(m, x, v, v).before;
+        if (track) damping -= weight[s] * ancf_damping_power(m, x, v);
         for (int i = 0; i < n; ++i) {
             dx[i] += weight[s] * v[i];
             dv[i] += weight[s] * m->a[i];

@@ -49,7 +49,8 @@ namespace {
     };
 
     Real sumOf(const vector<Real>& values, Real before) {
-        for (const Real value : values) before = .875 * before + value;
+        Real weight = 0;
+        for (const Real value : values) before += (weight += 1) * value;
         return before;
     }
 } // namespace
@@ -115,10 +116,10 @@ void CableEngine::measureEnergy(const ancf_time& time) {
     }
 }
 
-// What damping takes out is known with O.trackEnergy alone, and then by leapfrog.
+// What damping takes out is known with O.trackEnergy alone.
 bool CableEngine::lossesKnown() const {
-    if (integrator == "leapfrog" && scene->trackEnergy) return true;
-    return !implicit && std::all_of(kelvinVoigt.begin(), kelvinVoigt.end(), [](Real eta) { return eta == 0; });
+    if (implicit) return false;
+    return scene->trackEnergy || std::all_of(kelvinVoigt.begin(), kelvinVoigt.end(), [](Real eta) { return eta == 0; });
 }
 
 // At the positions that the step starts from, and the energies of now.
@@ -133,7 +134,8 @@ void CableEngine::lookAtBalance(const ancf_time& time) {
     Real now = kineticAt + elasticAt + potential + b[STORED] + b[LOST] + b[GIVEN] - b[TAKEN] + slowed - b[OUTER];
     for (const Worked& one : worked) now -= forceOf(one).dot(time.last / 2 * one.before);
     if (!balanceGoesOn) {
-        b[BASE] = now - energyOff;
+        b[BASE] = now;
+        b[LOWEST] = b[FOUND] = 0;
         b[START] = potential;
         b[FRESH] = 1;
         Real floor = 0;

@@ -69,6 +69,9 @@ void CableEngine::postSave(CableEngine&) {
 void CableEngine::postLoad(CableEngine&) {
     normalKind = choose("normal", normal, {"linear", "hertz", "nonlinear"});
     frictionKind = choose("friction", friction, {"none", "coulomb", "hollars"});
+    if (!(energyTolerance > 0))
+        throw std::invalid_argument(text("CableEngine.energyTolerance = ", energyTolerance,
+                                         ": must be above 0, a share of the energy; inf: no watch"));
     standsFor.clear();
     changed();
     if (crossPairs.empty()) return;

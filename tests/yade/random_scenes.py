@@ -84,14 +84,20 @@ def addCable(random):
         common["mass"] = "consistent"
     if random.integers(2):
         net = ancf.Net.square(
-            int(random.integers(2, 5)), 0.12, normal=(0, 0, 1), fold=pick(random, None, 0.7), **common
+            int(random.integers(2, 5)),
+            0.12,
+            normal=(0, 0, 1),
+            fold=pick(random, None, 0.7),
+            **common,
         )
         if random.integers(2):
             speed, angle = span(random, 0.1, 10), random.uniform(-0.5, 0.6)
             net.addBullets(span(random, 5e-3, 0.5), 0.01, speed, angle)
         return net
     n = int(random.integers(3, 9))
-    points = np.column_stack([np.linspace(-0.25, 0.25, n), 0.02 * random.normal(size=n), 0.02 * random.normal(size=n)])
+    points = np.column_stack(
+        [np.linspace(-0.25, 0.25, n), 0.02 * random.normal(size=n), 0.02 * random.normal(size=n)]
+    )
     cable = ancf.Cable(points, **common)
     return cable
 
@@ -117,7 +123,9 @@ def addBalls(random):
             for b in O.bodies
         ):
             continue
-        body = utils.sphere(Vector3(*place), radius, material="ball", fixed=bool(random.integers(6) == 0))
+        body = utils.sphere(
+            Vector3(*place), radius, material="ball", fixed=bool(random.integers(6) == 0)
+        )
         aim = np.array([*random.uniform(-0.1, 0.1, 2), 0]) - place
         speed = span(random, 0.1, 20)
         if body.dynamic:
@@ -140,7 +148,10 @@ def build(seed, tolerance=None):
         O.bodies.append(utils.box((0, 0, -0.35), (1, 1, 0.05), fixed=True, material="ball"))
     cable = addCable(random)
     hold(random, cable)
-    contact = dict(normal=pick(random, "nonlinear", "hertz"), friction=pick(random, "hollars", "coulomb", "none"))
+    contact = dict(
+        normal=pick(random, "nonlinear", "hertz"),
+        friction=pick(random, "hollars", "coulomb", "none"),
+    )
     gravity = pick(random, (0, 0, 0), (0, 0, -9.81))
     steps = pick(random, "auto", "auto", 2, 3)
     O.engines = ancf.engines(cable, gravity=gravity, contact=contact, substeps=steps)
@@ -235,11 +246,16 @@ def main():
         print(dict(O.energy.items()))
         return 0
     counts, worst = collections.Counter(), 0.0
-    for seed, end, share, told in scenes(range(args.first, args.first + args.count), args.jobs, args.steps, args.tolerance):
+    for seed, end, share, told in scenes(
+        range(args.first, args.first + args.count), args.jobs, args.steps, args.tolerance
+    ):
         print(f"{seed} {end} {share:.1e} {told}", flush=True)
         counts[end] += 1
         worst = max(worst, share) if end == "sound" else worst
-    print(", ".join(f"{end} {n}" for end, n in counts.most_common()), f"; worst of sound ones {worst:.1e}")
+    print(
+        ", ".join(f"{end} {n}" for end, n in counts.most_common()),
+        f"; worst of sound ones {worst:.1e}",
+    )
     return int(any(counts[fault] for fault in FAULTS))
 
 

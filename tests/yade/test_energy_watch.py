@@ -67,7 +67,9 @@ def test_work_of_a_body_that_leads_a_node(scene):
     runTo(4e-3)
     stretch = speed * O.time
     static = cable.section.ea * stretch**2 / 2 / cable.length
-    assert sum(cable.energy()[key] for key in ("kinetic", "axial")) == pytest.approx(static, rel=0.1)
+    assert sum(cable.energy()[key] for key in ("kinetic", "axial")) == pytest.approx(
+        static, rel=0.1
+    )
     assert engine.energyScale > 0.8 * static
     assert abs(engine.energyOff) < 1e-4 * engine.energyScale
 
@@ -144,7 +146,9 @@ def shifted(depth, watch=None):
 def test_contact_that_is_found_deep_stops_before_it_acts(scene, depth):
     engine, gained = shifted(depth)
     before = np.array(engine.velocity)
-    with pytest.raises(RuntimeError, match="out of balance: .* gained.* the contact of bodies 0 and") as told:
+    with pytest.raises(
+        RuntimeError, match="out of balance: .* gained.* the contact of bodies 0 and"
+    ) as told:
         steps(3)
     amount = float(str(told.value).split("out of balance: ")[1].split(" J")[0])
     assert amount == pytest.approx(gained, rel=0.02)
@@ -229,3 +233,11 @@ def test_tolerance(scene, value):
     else:
         with pytest.raises(RuntimeError, match="energyTolerance = 1e-09"):
             steps(2000)
+
+
+@pytest.mark.parametrize("value", [0, -1, math.nan])
+def test_bad_tolerance(scene, value):
+    material("cable")
+    engine = watched(line())
+    with pytest.raises(ValueError, match=f"energyTolerance = {value}: must be above 0"):
+        engine.energyTolerance = value
