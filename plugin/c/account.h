@@ -4,7 +4,15 @@
 
 #include "kernel.h"
 
-// Elastic energy at x, and the power of the Kelvin-Voigt forces of v at v and at another velocity.
-ancf_account ancf_elastic_account(const ancf_model* m, const double* x, const double* v, const double* after);
+typedef struct {
+    double elastic; // energy [J]
+    double power;   // of the Kelvin-Voigt forces, at the velocity that they are of [W]
+} ancf_books;
+
+// ancf_elastic_force, to the last bit, and its books. Leaves the Kelvin-Voigt forces in m->work.
+void ancf_elastic_force_booked(ancf_books* books, ancf_model* m, double* force, const double* x, const double* v);
+
+// Power of these at another velocity, before anything else uses m->work.
+double ancf_elastic_power(const ancf_model* m, const double* v);
 
 #endif

@@ -33,20 +33,27 @@ static double kinetic_whole(const ancf_model* m) {
     return sum;
 }
 
-double ancf_kinetic_kept(ancf_model* m, double last, double step) {
-    if (ancf_mass_diagonal(m)) return ancf_mass_kinetic_kept(m, last, step);
-    const int n = 3 * m->stride;
-    double *mid = m->work, *half = m->work + n, *v = m->v;
-    for (int i = 0; i < n; ++i) {
-        mid[i] = v[i] + 0.5 * last * m->a[i];
-        half[i] = 0.5 * step * m->a[i];
+// mid M mid/2 - half M half/2 of mid = v + last a/2 and half = step a/2 is (mid - half) M (mid + half)/2.
+static double kept_of(const ancf_model* m, int e, double last, double step) {
+    double M[4][4], sum = 0.0;
+    int dof[4];
+    ancf_mass_element(M, &m->element[e]);
+    ancf_model_dofs(dof, m, e);
+    for (int c = 0; c < 3; ++c) {
+        const double *v = m->v + c * m->stride, *a = m->a + c * m->stride;
+        for (int i = 0; i < 4; ++i) {
+            const double less = v[dof[i]] + 0.5 * (last - step) * a[dof[i]];
+            for (int j = 0; j < 4; ++j) sum += less * M[i][j] * (v[dof[j]] + 0.5 * (last + step) * a[dof[j]]);
+        }
     }
-    m->v = mid;
-    double kinetic = kinetic_whole(m);
-    m->v = half;
-    kinetic -= kinetic_whole(m);
-    m->v = v;
-    return kinetic;
+    return 0.5 * sum;
+}
+
+double ancf_kinetic_kept(const ancf_model* m, double last, double step) {
+    if (ancf_mass_diagonal(m)) return ancf_mass_kinetic_kept(m, last, step);
+    double sum = 0.0;
+    for (int e = 0; e < m->n_elements; ++e) sum += kept_of(m, e, last, step);
+    return sum;
 }
 
 void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end) {

@@ -34,8 +34,6 @@ static void element_vectors(double g0[3], double d[3], double g1[3], const ancf_
 static void add(ancf_account* sum, const ancf_account* more) {
     sum->axial += more->axial;
     sum->bending += more->bending;
-    sum->before += more->before;
-    sum->after += more->after;
 }
 
 void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, const double* x, int begin, int end) {
@@ -51,28 +49,75 @@ void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, co
         k.ea = m->ea_length + part.begin;
         k.ei = m->ei_length + part.begin;
         k.eta = m->damping + part.begin;
-        ancf_kernel_account(&one, &k, NULL, t->kind, t->bending);
+        ancf_kernel_books(&one, &k, t->kind, t->bending, false);
         add(&sum, &one);
     }
     *axial = sum.axial;
     *bending = sum.bending;
 }
 
-ancf_account ancf_elastic_account(const ancf_model* m, const double* x, const double* v, const double* after) {
-    double way[3][ANCF_TILE], wayv[3][ANCF_TILE], later[3][ANCF_TILE];
+static bool slows(const ancf_tile* t) { return t->damped || t->kind & ANCF_SPRING; }
+
+// Kelvin-Voigt forces of a tile in m->work: those on slopes where a field has them, those on nodes behind the field.
+static void find_books(ancf_fields* k, const ancf_model* m, const ancf_tile* t) {
+    for (int c = 0; c < 3; ++c) {
+        k->f0[c] = m->work + c * m->stride + m->n_nodes + t->begin;
+        k->f1[c] = k->f0[c] + m->n_elements;
+        k->fd[c] = m->work + 3 * m->stride + c * m->n_elements + t->begin;
+    }
+}
+
+void ancf_elastic_force_booked(ancf_books* books, ancf_model* m, double* force, const double* x, const double* v) {
+    double way[3][ANCF_TILE], wayv[3][ANCF_TILE], power;
     ancf_account sum = {0}, one;
+    books->power = 0.0;
     for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
-        const ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
-        ancf_fields other = k;
-        if (t->damped) ancf_tile_rates(&other, m, t, after, later);
-        ancf_kernel_account(&one, &k, t->damped ? &other : NULL, t->kind, t->bending);
+        ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
+        for (int c = 0; c < 3; ++c) {
+            k.f0[c] = force + c * m->stride + m->n_nodes + t->begin;
+            k.f1[c] = k.f0[c] + m->n_elements;
+        }
+        ancf_kernel(&k, t->kind, t->bending, t->damped);
+        find_books(&k, m, t);
+        ancf_kernel_books(&one, &k, t->kind, t->bending, slows(t));
         add(&sum, &one);
+        if (!slows(t)) continue;
+        ancf_kernel_power(&power, &k);
+        books->power += power;
+    }
+    ancf_tile_gather(force, m, 0, m->n_nodes);
+    books->elastic = sum.axial + sum.bending;
+}
+
+double ancf_elastic_power(const ancf_model* m, const double* v) {
+    double wayv[3][ANCF_TILE], sum = 0.0, power;
+    for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
+        if (!slows(t)) continue;
+        ancf_fields k = {.n = t->end - t->begin};
+        find_books(&k, m, t);
+        ancf_tile_rates(&k, m, t, v, wayv);
+        ancf_kernel_power(&power, &k);
+        sum += power;
     }
     return sum;
 }
 
 double ancf_damping_power(const ancf_model* m, const double* x, const double* v) {
-    return -ancf_elastic_account(m, x, v, v).before;
+    double way[3][ANCF_TILE], wayv[3][ANCF_TILE], force[9][ANCF_TILE], sum = 0.0, power;
+    ancf_account unused;
+    for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
+        if (!slows(t)) continue;
+        ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
+        for (int c = 0; c < 3; ++c) {
+            k.f0[c] = force[c];
+            k.f1[c] = force[3 + c];
+            k.fd[c] = force[6 + c];
+        }
+        ancf_kernel_books(&unused, &k, t->kind, t->bending, true);
+        ancf_kernel_power(&power, &k);
+        sum -= power;
+    }
+    return sum;
 }
 
 // r' and its rate at xi.

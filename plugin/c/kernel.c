@@ -57,6 +57,19 @@ ANCF_INLINE void vectors_of(double d[3], double q[3], double k[3], const double*
     }
 }
 
+// Forces of an element by the derivatives h.
+ANCF_INLINE void forces_of(const ancf_fields* K, int e, const double h[ANCF_GRAM], const double d[3], const double q[3],
+                           const double k[3]) {
+    for (int c = 0; c < 3; ++c) {
+        const double on_d = 2.0 * h[ANCF_DD] * d[c] + h[ANCF_DQ] * q[c] + h[ANCF_DK] * k[c],
+                     on_q = 2.0 * h[ANCF_QQ] * q[c] + h[ANCF_DQ] * d[c] + h[ANCF_QK] * k[c],
+                     on_k = 2.0 * h[ANCF_KK] * k[c] + h[ANCF_DK] * d[c] + h[ANCF_QK] * q[c];
+        K->fd[c][e] = K->inv_length[e] * (2.0 * on_k - on_d);
+        K->f0[c][e] = on_q - on_k;
+        K->f1[c][e] = -(on_q + on_k);
+    }
+}
+
 ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bending, int damped) {
     const ancf_fields K = *fields;
     const ancf_rule rule = *of;
@@ -79,14 +92,7 @@ ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bendin
             if (damped) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
         }
         if (bending == ANCF_EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 1.0);
-        for (int c = 0; c < 3; ++c) {
-            const double on_d = 2.0 * h[ANCF_DD] * d[c] + h[ANCF_DQ] * q[c] + h[ANCF_DK] * k[c],
-                         on_q = 2.0 * h[ANCF_QQ] * q[c] + h[ANCF_DQ] * d[c] + h[ANCF_QK] * k[c],
-                         on_k = 2.0 * h[ANCF_KK] * k[c] + h[ANCF_DK] * d[c] + h[ANCF_QK] * q[c];
-            K.fd[c][e] = K.inv_length[e] * (2.0 * on_k - on_d);
-            K.f0[c][e] = on_q - on_k;
-            K.f1[c][e] = -(on_q + on_k);
-        }
+        forces_of(&K, e, h, d, q, k);
     }
 }
 
@@ -148,17 +154,6 @@ ANCF_INLINE double exact_curvature2(const double G[ANCF_GRAM]) {
     return sum;
 }
 
-ANCF_INLINE double product_of(const double a[ANCF_GRAM], const double b[ANCF_GRAM]) {
-    double sum = 0.0;
-    for (int i = 0; i < ANCF_GRAM; ++i) sum += a[i] * b[i];
-    return sum;
-}
-
-// Accounts of single elements; their sums come after, so that the loops stay one lane each.
-typedef struct {
-    double axial[ANCF_TILE], bending[ANCF_TILE], before[ANCF_TILE], after[ANCF_TILE];
-} accounts;
-
 ANCF_INLINE double sum_of(const double* a, int n) {
     double sum = 0.0;
 #pragma omp simd reduction(+ : sum)
@@ -166,81 +161,90 @@ ANCF_INLINE double sum_of(const double* a, int n) {
     return sum;
 }
 
-ANCF_INLINE void account_of(ancf_account* account, const ancf_fields* fields, const ancf_fields* later,
-                            const ancf_rule* by, int bending, int damped) {
-    const ancf_fields K = *fields, U = damped ? *later : *fields;
+// Energies of single elements are summed up after, so that the loop stays one lane each.
+ANCF_INLINE void books_of(ancf_account* account, const ancf_fields* fields, const ancf_rule* by, int bending,
+                          int damped) {
+    const ancf_fields K = *fields;
     const ancf_rule rule = *by;
-    accounts of;
+    double axial[ANCF_TILE], bent[ANCF_TILE];
 #pragma GCC ivdep
     for (int e = 0; e < K.n; ++e) {
         double d[3], q[3], k[3], G[ANCF_GRAM];
         vectors_of(d, q, k, K.way, K.g0, K.g1, K.inv_length, e);
         ancf_gram(G, d, q, k);
-        of.axial[e] = ancf_axial_energy(G, &rule, K.ea[e]);
-        if (bending == ANCF_FAST) of.bending[e] = 0.5 * K.ei[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
-        if (bending == ANCF_EXACT) of.bending[e] = 0.5 * K.ei[e] * exact_curvature2(G);
-        if (damped) {
-            double dv[3], qv[3], kv[3], rate[ANCF_GRAM], stress[ANCF_GRAM], h[ANCF_GRAM];
-            vectors_of(dv, qv, kv, K.wayv, K.g0v, K.g1v, K.inv_length, e);
-            ancf_gram_rate(rate, d, q, k, dv, qv, kv);
-            for (int i = 0; i < ANCF_GRAM; ++i) stress[i] = K.eta[e] * rate[i];
-            ancf_axial(h, stress, &rule, K.ea[e], 0.0);
-            if (bending == ANCF_FAST) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
-            if (bending == ANCF_EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 0.0);
-            of.before[e] = -product_of(h, rate);
-            vectors_of(dv, qv, kv, U.wayv, U.g0v, U.g1v, K.inv_length, e);
-            ancf_gram_rate(rate, d, q, k, dv, qv, kv);
-            of.after[e] = -product_of(h, rate);
-        }
+        axial[e] = ancf_axial_energy(G, &rule, K.ea[e]);
+        if (bending == ANCF_FAST) bent[e] = 0.5 * K.ei[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
+        if (bending == ANCF_EXACT) bent[e] = 0.5 * K.ei[e] * exact_curvature2(G);
+        if (!damped) continue;
+        double dv[3], qv[3], kv[3], rate[ANCF_GRAM], h[ANCF_GRAM];
+        vectors_of(dv, qv, kv, K.wayv, K.g0v, K.g1v, K.inv_length, e);
+        ancf_gram_rate(rate, d, q, k, dv, qv, kv);
+        ancf_axial(h, rate, &rule, K.ea[e] * K.eta[e], 0.0);
+        if (bending == ANCF_FAST) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
+        if (bending == ANCF_EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 0.0);
+        forces_of(&K, e, h, d, q, k);
     }
-    *account = (ancf_account) {.axial = sum_of(of.axial, K.n),
-                               .bending = bending == ANCF_STRAIGHT ? 0.0 : sum_of(of.bending, K.n),
-                               .before = damped ? sum_of(of.before, K.n) : 0.0,
-                               .after = damped ? sum_of(of.after, K.n) : 0.0};
+    *account =
+        (ancf_account) {.axial = sum_of(axial, K.n), .bending = bending == ANCF_STRAIGHT ? 0.0 : sum_of(bent, K.n)};
 }
 
-#define ANCF_ACCOUNT(name, bending, damped)                                                                            \
-    ANCF_CLONES static void name(ancf_account* account, const ancf_fields* fields, const ancf_fields* after,           \
-                                 const ancf_rule* rule) {                                                              \
-        account_of(account, fields, after, rule, bending, damped);                                                     \
+#define ANCF_BOOKS(name, bending, damped)                                                                              \
+    ANCF_CLONES static void name(ancf_account* account, const ancf_fields* fields, const ancf_rule* rule) {            \
+        books_of(account, fields, rule, bending, damped);                                                              \
     }
-ANCF_ACCOUNT(account_straight, ANCF_STRAIGHT, 0)
-ANCF_ACCOUNT(account_straight_damped, ANCF_STRAIGHT, 1)
-ANCF_ACCOUNT(account_fast, ANCF_FAST, 0)
-ANCF_ACCOUNT(account_fast_damped, ANCF_FAST, 1)
-ANCF_ACCOUNT(account_exact, ANCF_EXACT, 0)
-ANCF_ACCOUNT(account_exact_damped, ANCF_EXACT, 1)
+ANCF_BOOKS(books_straight, ANCF_STRAIGHT, 0)
+ANCF_BOOKS(books_straight_damped, ANCF_STRAIGHT, 1)
+ANCF_BOOKS(books_fast, ANCF_FAST, 0)
+ANCF_BOOKS(books_fast_damped, ANCF_FAST, 1)
+ANCF_BOOKS(books_exact, ANCF_EXACT, 0)
+ANCF_BOOKS(books_exact_damped, ANCF_EXACT, 1)
 
-ANCF_CLONES static void account_spring(ancf_account* account, const ancf_fields* fields, const ancf_fields* later) {
-    const ancf_fields K = *fields, U = later ? *later : *fields;
-    accounts of;
+ANCF_INLINE void spring_books_of(ancf_account* account, const ancf_fields* fields, int damped) {
+    const ancf_fields K = *fields;
+    double axial[ANCF_TILE];
 #pragma GCC ivdep
     for (int e = 0; e < K.n; ++e) {
-        double d[3], v[3], u[3];
+        double d[3];
+        for (int c = 0; c < 3; ++c) d[c] = K.way[c][e] * K.inv_length[e];
+        const double stretch = sqrt(ancf_inner(d, d)), strain = stretch > 1.0 ? stretch - 1.0 : 0.0;
+        axial[e] = 2.0 * K.ea[e] * strain * strain;
+        if (!damped) continue;
+        const double v[3] = {K.wayv[0][e], K.wayv[1][e], K.wayv[2][e]};
+        const double taut = stretch > 1.0 ? 1.0 : 0.0, inv = 1.0 / (stretch + DBL_MIN),
+                     ea = 4.0 * K.ea[e] * K.inv_length[e], slack = -ea * strain,
+                     viscous = ea * K.eta[e] * K.inv_length[e] * ancf_inner(d, v) * inv,
+                     pull = -taut * inv * (viscous > slack ? viscous : slack); // it never pushes
         for (int c = 0; c < 3; ++c) {
-            d[c] = K.way[c][e] * K.inv_length[e];
-            v[c] = K.wayv[c][e];
-            u[c] = U.wayv[c][e];
+            K.f0[c][e] = 0.0;
+            K.f1[c][e] = 0.0;
+            K.fd[c][e] = pull * d[c];
         }
-        const double stretch = sqrt(ancf_inner(d, d)), strain = stretch > 1.0 ? stretch - 1.0 : 0.0,
-                     taut = stretch > 1.0 ? 1.0 : 0.0, inv = 1.0 / (stretch + DBL_MIN);
-        const double along = ancf_inner(d, v) * inv, ea = 4.0 * K.ea[e] * K.inv_length[e], slack = -ea * strain,
-                     viscous = ea * K.eta[e] * K.inv_length[e] * along,
-                     more = taut * (viscous > slack ? viscous : slack); // it never pushes
-        of.axial[e] = 2.0 * K.ea[e] * strain * strain;
-        of.before[e] = -more * along;
-        of.after[e] = -more * ancf_inner(d, u) * inv;
     }
-    *account = (ancf_account) {sum_of(of.axial, K.n), 0.0, sum_of(of.before, K.n), sum_of(of.after, K.n)};
+    *account = (ancf_account) {.axial = sum_of(axial, K.n)};
 }
 
-void ancf_kernel_account(ancf_account* account, const ancf_fields* fields, const ancf_fields* after, int kind,
-                         bool bending) {
-    static void (*const beams[ANCF_BENDINGS][2])(ancf_account*, const ancf_fields*, const ancf_fields*,
-                                                 const ancf_rule*) = {{account_straight, account_straight_damped},
-                                                                      {account_fast, account_fast_damped},
-                                                                      {account_exact, account_exact_damped}};
+ANCF_CLONES static void books_spring(ancf_account* account, const ancf_fields* fields) {
+    spring_books_of(account, fields, 0);
+}
+ANCF_CLONES static void books_spring_damped(ancf_account* account, const ancf_fields* fields) {
+    spring_books_of(account, fields, 1);
+}
+
+void ancf_kernel_books(ancf_account* account, const ancf_fields* fields, int kind, bool bending, bool damped) {
+    static void (*const beams[ANCF_BENDINGS][2])(ancf_account*, const ancf_fields*, const ancf_rule*) = {
+        {books_straight, books_straight_damped}, {books_fast, books_fast_damped}, {books_exact, books_exact_damped}};
     const ancf_rule rule = ancf_rule_of(kind);
-    if (kind & ANCF_SPRING) account_spring(account, fields, after);
-    else beams[ancf_bending_of(kind, bending)][after != NULL](account, fields, after, &rule);
+    if (!(kind & ANCF_SPRING)) beams[ancf_bending_of(kind, bending)][damped](account, fields, &rule);
+    else if (damped) books_spring_damped(account, fields);
+    else books_spring(account, fields);
+}
+
+ANCF_CLONES void ancf_kernel_power(double* power, const ancf_fields* fields) {
+    const ancf_fields K = *fields;
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (int e = 0; e < K.n; ++e)
+        for (int c = 0; c < 3; ++c)
+            sum += K.fd[c][e] * K.wayv[c][e] + K.f0[c][e] * K.g0v[c][e] + K.f1[c][e] * K.g1v[c][e];
+    *power = sum;
 }

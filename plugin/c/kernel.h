@@ -21,11 +21,12 @@ void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped)
 
 typedef struct {
     double axial, bending; // energy [J]
-    double before, after; // power of the Kelvin-Voigt forces at two velocities, one of them that which they are for [W]
 } ancf_account;
 
-// What forces of n elements store and take out. after: whose rates are the second velocity; or NULL, and no power.
-void ancf_kernel_account(ancf_account* account, const ancf_fields* fields, const ancf_fields* after, int kind,
-                         bool bending);
+// Energies of n elements; damped: and their Kelvin-Voigt forces alone, where ancf_kernel would leave all forces.
+void ancf_kernel_books(ancf_account* account, const ancf_fields* fields, int kind, bool bending, bool damped);
+
+// Power of n elements' forces at their rates [W].
+void ancf_kernel_power(double* power, const ancf_fields* fields);
 
 #endif

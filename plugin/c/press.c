@@ -268,6 +268,7 @@ static double substep(ancf_table* t, const ancf_contact_group* g, double h, doub
         c->speed = ancf_table_opening(t, c);
         c->force = c->kicked = 0.0;
         c->energy = ancf_normal_energy(&c->law, -c->gap);
+        if (at < h) c->found += c->energy - c->left; // the first
     }
     ancf_table_speed_up_group(t, g, h);
     const double left = press_group(t, g, h, rest);
@@ -299,7 +300,7 @@ static double press_through(ancf_table* t, const ancf_contact_group* g, double s
         memcpy(c->normal, c->line, sizeof c->line);
         c->speed = ancf_table_opening(t, c);
         if (substeps == 0) c->gap += step * c->speed;
-        c->energy = ancf_normal_energy(&c->law, -c->gap);
+        c->left = c->energy = ancf_normal_energy(&c->law, -c->gap);
     }
     return left;
 }

@@ -32,23 +32,24 @@ void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
     ancf_mass_solve(m, m->a, m->f);
 }
 
-// Energies at the start of the step, and what the Kelvin-Voigt forces do in its kick: half of that at the velocity
-// before, half at that after they have acted and no contact yet; their work on the mean, to the rounding of the scheme.
-static void account(ancf_model* m) {
-    const ancf_account of = ancf_elastic_account(m, m->x, m->v, m->free);
-    m->elastic = of.axial + of.bending;
-    m->damping_power[0] = of.before;
-    m->damping_power[1] = of.after;
-}
-
 void ancf_predict(ancf_model* m, const ancf_time* time) {
     const double kick = ancf_kick(time);
     ancf_held_accelerate(m, kick);
-    ancf_total_force(m, m->x, m->v);
+    if (m->track) {
+        ancf_books books;
+        ancf_elastic_force_booked(&books, m, m->f, m->x, m->v);
+        m->elastic = books.elastic;
+        m->damping_power[0] = books.power;
+    } else {
+        ancf_elastic_force(m, m->f, m->x, m->v);
+    }
+    ancf_add_loads(m, m->f);
     ancf_mass_solve(m, m->a, m->f);
     add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
     ancf_held_set(m, m->free);
-    if (m->track) account(m);
+    // What the Kelvin-Voigt forces do in the kick: half of that at the velocity before, half at that after they have
+    // acted and no contact yet; their work on the mean, to the rounding of the scheme.
+    if (m->track) m->damping_power[1] = ancf_elastic_power(m, m->free);
 }
 
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift) {
@@ -84,7 +85,7 @@ void ancf_rk4(ancf_model* m, double step) {
         }
         for (int i = 0; i < n; ++i) v[i] = v0[i] + (s ? at[s] * step * m->a[i] : 0.0);
         ancf_acceleration(m, x, v);
-        if (track) damping += weight[s] * ancf_elastic_account(m, x, v, v).before;
+        if (track) damping -= weight[s] * ancf_damping_power(m, x, v);
         for (int i = 0; i < n; ++i) {
             dx[i] += weight[s] * v[i];
             dv[i] += weight[s] * m->a[i];
@@ -100,7 +101,10 @@ void ancf_rk4(ancf_model* m, double step) {
 
 void ancf_reaction(double force[3], const ancf_model* m, int dof) {
     for (int c = 0; c < 3; ++c) force[c] = -m->f[c * m->stride + dof];
-    for (int e = 0; e < m->n_elements; ++e) {
+    const bool node = dof < m->n_nodes;
+    const int own = (dof - m->n_nodes) % m->n_elements; // of a slope
+    for (int k = node ? m->first[dof] : 0; k < (node ? m->first[dof + 1] : 1); ++k) {
+        const int e = node ? m->at[k] >> 1 : own;
         double M[4][4];
         int of[4];
         ancf_model_dofs(of, m, e);

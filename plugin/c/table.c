@@ -106,6 +106,7 @@ int ancf_table_add_body(ancf_table* t, const ancf_body* body) {
     const int i = add((void**)&t->body, &t->n_bodies, &t->room_bodies, body, sizeof *body);
     if (i < 0) return i;
     ancf_body* b = &t->body[i];
+    b->work = 0.0;
     for (int c = 0; c < 3; c++) {
         b->impulse[c] = b->twist[c] = b->shift[c] = b->turn[c] = b->moved[c] = b->turned[c] = 0.0;
         b->given[c] = b->acceleration[c];
@@ -265,6 +266,8 @@ static void start_body(ancf_body* b) {
     for (int c = 0; c < 3; c++) {
         b->before[c] = b->velocity[c];
         b->before[3 + c] = b->spin[c];
+        b->taken[c] = b->impulse[c];
+        b->taken[3 + c] = b->twist[c];
         b->acceleration[c] = b->given[c];
         b->turning[c] = b->given[3 + c];
         b->shift[c] = b->turn[c] = 0.0;
@@ -327,7 +330,7 @@ ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* ve
 ancf_error ancf_table_prepare(ancf_table* t, const ancf_model* m, const double* velocity) {
     for (int i = 0; i < t->n_contacts; ++i) {
         ancf_contact* c = &t->contact[i];
-        c->before = c->repaid = c->damped = c->rubbed = 0.0;
+        c->before = c->repaid = c->damped = c->rubbed = c->found = c->left = 0.0;
         c->depth = c->gap < 0.0 ? -c->gap : 0.0;
         for (int k = 0; k < 3; k++) c->pressed[k] = c->dragged[k] = c->changing[k] = 0.0;
     }
@@ -505,6 +508,8 @@ void ancf_table_end(ancf_table* t, double step) {
         for (int c = 0; c < 3; c++) {
             b->moved[c] += step * (b->before[c] - t->passed * b->given[c]) + b->shift[c];
             b->turned[c] += step * (b->before[3 + c] - t->passed * b->given[3 + c]) + b->turn[c];
+            b->work += 0.5 * (b->impulse[c] - b->taken[c]) * (b->before[c] + b->velocity[c]);
+            b->work += 0.5 * (b->twist[c] - b->taken[3 + c]) * (b->before[3 + c] + b->spin[c]);
         }
     }
     for (int i = 0; i < t->groups.contacts; ++i) {
@@ -594,4 +599,14 @@ void ancf_table_forces(const ancf_table* t, const ancf_model* m, double time, do
             for (int k = 0; k < 4; ++k)
                 force[c * m->stride + p->dof[k]] += (p->S[k] * p->impulse[c] + p->T[k] * p->couple[c]) / time;
     }
+}
+
+void ancf_table_impulse(double impulse[3], const ancf_table* t, int dof) {
+    for (int c = 0; c < 3; c++) impulse[c] = 0.0;
+    for (int i = 0; i < t->n_places; ++i)
+        for (int k = 0; k < 4; ++k) {
+            const ancf_place* p = &t->place[i];
+            if (p->idle || p->dof[k] != dof) continue;
+            for (int c = 0; c < 3; c++) impulse[c] += p->S[k] * p->impulse[c] + p->T[k] * p->couple[c];
+        }
 }

@@ -25,30 +25,12 @@ namespace {
 
 // Energies at the positions that a step starts from: there leapfrog keeps their sum, and NewtonIntegrator counts what
 // its bodies had when they came there. Of what the step does, the next one counts what comes after.
-void CableEngine::noteEnergy(const ancf_time& time) {
+void CableEngine::noteEnergy() {
     ancf_model* m = model.get();
-    const bool leapfrog = integrator == "leapfrog";
-    const Real last = leapfrog ? time.last : 0, next = leapfrog ? time.step : 0;
-    if (implicit) { // leapfrog has it from its forces
-        Real axial, bending;
-        ancf_elastic_energy(&axial, &bending, m, m->x, 0, nElements());
-        m->elastic = axial + bending;
-    }
-    elasticAt = m->elastic;
-    heightAt = ancf_height(m);
-    kineticAt = ancf_kinetic_kept(m, last, next);
-    for (size_t i = 0; i < carryNodes.size(); ++i) {
-        if (carrierOf(carryIds[i]) < 0) continue;
-        const Vector3r a = nodeOf(m->a, m->stride, carryNodes[i]);
-        const Vector3r mean = nodeOf(m->v, m->stride, carryNodes[i]) + last / 2 * a;
-        kineticAt +=
-            (*scene->bodies)[carryIds[i]]->state->mass / 2 * (mean.squaredNorm() - (next / 2 * a).squaredNorm());
-    }
     if (openAccounts.size() != ACCOUNTS || openAccounts[ITER] != Real(scene->iter - 1)) {
-        Real damped, rubbed;
         openAccounts.assign(ACCOUNTS, 0);
         openAccounts[HEIGHT] = heightAt;
-        touching.track(openAccounts[PRESSED], damped, rubbed);
+        openAccounts[PRESSED] = touching.energies().elastic;
     }
     m->damping_work = m->damping_half = 0;
     if (implicit) implicit->lost = 0;
@@ -77,7 +59,10 @@ void CableEngine::trackEnergy() {
     open[SLOWED] = model->damping_work - model->damping_half;
     open[LIFTED] = touching.lift();
     open[LOST] = implicit ? implicit->lost : 0;
-    touching.track(open[PRESSED], open[DAMPED], open[RUBBED]);
+    const CableContacts::Energies contacts = touching.energies();
+    open[PRESSED] = contacts.elastic;
+    open[DAMPED] = contacts.damped;
+    open[RUBBED] = contacts.rubbed;
 }
 
 namespace {

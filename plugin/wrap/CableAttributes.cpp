@@ -54,6 +54,10 @@ namespace {
         all.need(c.spectralRadius >= 0 && c.spectralRadius <= 1, "spectralRadius", c.spectralRadius, "from 0 to 1");
         all.need(c.substeps >= 0 && c.substeps <= CableEngine::substepsMost, "substeps", c.substeps,
                  text("0 (as many as it needs) to ", CableEngine::substepsMost));
+        all.need(c.energyTolerance > 0, "energyTolerance", c.energyTolerance,
+                 "above 0, a share of the energy; inf: no watch");
+        all.need(finite(c.energyScale) && c.energyScale >= 0, "energyScale", c.energyScale,
+                 "finite and not below 0 [J]");
         all.need(finite(c.lastStep) && c.lastStep >= 0, "lastStep", c.lastStep, "finite and not below 0 [s]");
         all.need(finite(c.gravity), "gravity", c.gravity, "finite [m/s²]");
         all.need(finite(c.twistLeft), "twistLeft", c.twistLeft, "finite [N m s]");
@@ -210,6 +214,7 @@ namespace {
         all.size("crossValues", c.crossValues, 9 * n, "nine for each contact of crossPairs");
         all.finiteEach("crossValues", c.crossValues);
         all.finiteEach("watched", c.watched);
+        all.finiteEach("balance", c.balance);
     }
 } // namespace
 
@@ -302,6 +307,7 @@ void CableEngine::setField(vector<Real>& field, const char* name, const vector<R
     if (!model) return;
     touching.disturb();
     watchedStep = 0; // looks at all strains in the next step
+    balanced = false;
     theScene().doSort = true;
 }
 

@@ -273,7 +273,7 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
         refuse(fault);
     const Body &first = *(*cable.scene->bodies)[contact.getId1()], &second = *(*cable.scene->bodies)[contact.getId2()];
     const ancf_model* m = cable.theModel();
-    Row row {geom, phys, ancf_table_contacts(table.get()), 0};
+    Row row {geom, phys, ancf_table_contacts(table.get()), 0, contact.getId1(), contact.getId2()};
     for (size_t i = 0; i < geom->xi.size(); ++i) {
         ancf_contact c {};
         c.law = c.plain = phys->normalLaw();
@@ -427,7 +427,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     int stiffest = 0;
     const int needed = ancf_table_substeps(t, time.step, &stiffest);
     if (needed > substepsMost)
-        cable.refuse(text("at iteration ", cable.scene->iter, " ", nameOf(cable, stiffest), " would need ", needed,
+        cable.refuse(text("at iteration ", cable.scene->iter, " ", nameOf(pairOf(stiffest)), " would need ", needed,
                           " sub-steps in ", time.step,
                           " s: it is too stiff, or what touches too light or too fast; use O.dt <= ",
                           steps * time.step * substepsMost / needed));
@@ -436,7 +436,7 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     const int sweeps = ancf_table_rub(t, time.step, &rubLeft);
     if (!(pressLeft <= unsolved))
         cable.refuse(text("at iteration ", cable.scene->iter, " the normal forces of contacts could not be solved, ",
-                          pressLeft, " of the largest is left; the stiffest is ", nameOf(cable, stiffest),
+                          pressLeft, " of the largest is left; the stiffest is ", nameOf(pairOf(stiffest)),
                           "; use O.dt < ", steps * time.step, " s, or masses and stiffnesses that differ less"));
     if (sweeps > 0) ancf_table_couple(t, time.step);
     ancf_table_apply(t, m, time.step, after.data(), shift.data());
@@ -448,13 +448,15 @@ void CableContacts::solve(CableEngine& cable, const ancf_time& time, int step, i
     if (!(rubLeft <= unsolved)) ++cable.frictionUnsolved;
 }
 
-string CableContacts::nameOf(const CableEngine& cable, int contact) const {
+CableContacts::Pair CableContacts::pairOf(int contact) const {
     for (const Row& row : rows)
-        if (contact >= row.begin && contact < row.end)
-            for (const auto& i : *cable.scene->interactions)
-                if (i->geom.get() == row.geom) return text("the contact of bodies ", i->getId1(), " and ", i->getId2());
+        if (contact >= row.begin && contact < row.end) return {row.first, row.second, false};
     const ancf_contact* c = ancf_table_contact(table.get(), contact);
-    return text("the contact of the elements ", c->key[0], " and ", c->key[1]);
+    return {c->key[0], c->key[1], true};
+}
+
+string CableContacts::nameOf(const Pair& pair) {
+    return text("the contact of ", pair.elements ? "the elements " : "bodies ", pair.first, " and ", pair.second);
 }
 
 // ---------------------------------------------------------------- given back
@@ -566,14 +568,54 @@ void CableContacts::look(CableEngine& cable) {
     cable.scene->doSort = true;
 }
 
-void CableContacts::track(Real& elastic, Real& damped, Real& rubbed) const {
-    elastic = damped = rubbed = 0;
+CableContacts::Energies CableContacts::energies() const {
+    Energies e {};
     for (int i = 0; i < ancf_table_contacts(table.get()); ++i) {
         const ancf_contact& c = *ancf_table_contact(table.get(), i);
-        elastic += c.energy;
-        damped += c.damped;
-        rubbed += c.rubbed;
+        e.elastic += c.energy;
+        e.damped += c.damped;
+        e.rubbed += c.rubbed;
+        e.found += c.found;
     }
+    for (size_t i = 0; i < entries.size(); ++i) {
+        const Real work = ancf_table_body(table.get(), static_cast<int>(i))->work;
+        (work > 0 ? e.given : e.taken) += std::abs(work);
+    }
+    return e;
+}
+
+Real CableContacts::found() const {
+    Real sum = 0;
+    for (int i = 0; i < ancf_table_contacts(table.get()); ++i) sum += ancf_table_contact(table.get(), i)->found;
+    return sum;
+}
+
+void CableContacts::noteFullest() {
+    const ancf_table* t = table.get();
+    Real most = 0;
+    int number = -1;
+    for (int i = 0; i < ancf_table_contacts(t); ++i)
+        if (const Real stored = ancf_table_contact(table.get(), i)->energy; stored > most) {
+            most = stored;
+            number = i;
+        }
+    fullest = number < 0 ? Pair() : pairOf(number);
+}
+
+string CableContacts::mostFound() const {
+    Real most = 0;
+    int number = -1;
+    for (int i = 0; i < ancf_table_contacts(table.get()); ++i)
+        if (const Real size = std::abs(ancf_table_contact(table.get(), i)->found); size > most) {
+            most = size;
+            number = i;
+        }
+    if (number >= 0) return nameOf(pairOf(number));
+    return fullest.first >= 0 ? nameOf(fullest) : string();
+}
+
+void CableContacts::impulseOn(Vector3r& impulse, int dof) const {
+    ancf_table_impulse(impulse.data(), table.get(), dof);
 }
 
 // ---------------------------------------------------------------- saved

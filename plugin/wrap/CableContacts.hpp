@@ -39,6 +39,11 @@ class CableContacts {
         CableGeom* geom;
         HollarsPhys* phys;
         int begin, end;
+        Body::id_t first, second;
+    };
+    struct Pair { // of bodies, or of elements
+        Body::id_t first = -1, second = -1;
+        bool elements = false;
     };
     shared_ptr<std::atomic<bool>> inUse {new std::atomic<bool>(false)}; // what is shown, by functors of this step
     shared_ptr<CableView> shown {new CableView(inUse)};
@@ -61,6 +66,7 @@ class CableContacts {
     bool acted = false;                             // contacts or couplings, in this step
     Real untilFirst = 0;                            // from the middle of O.dt to that of the first step in it [s]
     Real lifted = 0;                                // see lift()
+    Pair fullest;                                   // that stored most at the end of the last step
 
     void makeCover(const CableEngine& cable);
     void plan(const CableEngine& cable);
@@ -73,7 +79,8 @@ class CableContacts {
     void addCouplings(const CableEngine& cable);
     void addCrossings(CableEngine& cable);
     void follow(const CableEngine& cable);
-    string nameOf(const CableEngine& cable, int contact) const;
+    Pair pairOf(int contact) const;
+    static string nameOf(const Pair& pair);
     void giveBodies(const CableEngine& cable, Real passed);
     void giveRows(const CableEngine& cable) const;
 
@@ -97,7 +104,17 @@ public:
     const Real* displacement() const { return way; }              // besides that velocity times the step; null: none
     const vector<ancf_laws>& lawsOfKinds() const { return laws; } // of two kinds of cover
     int asleep(const CableEngine& cable) const;
-    void track(Real& elastic, Real& damped, Real& rubbed) const; // energies of this step [J]
+    struct Energies { // of the last step [J]
+        Real elastic; // in its end
+        Real damped, rubbed;
+        Real found;        // elastic, that its work has not stored: it was there, at its start
+        Real given, taken; // work on bodies, and of bodies
+    };
+    Energies energies() const;
+    void noteFullest();
+    Real found() const;                  // of these alone
+    void impulseOn(Vector3r& impulse, int dof) const; // of contacts on an unknown, in the cable's last step [N s]
+    string mostFound() const; // name of the contact with the largest part of it in this step or the last; "": none
     Real lift() const { return lifted; } // of bodies, besides what their velocities do in a step [J]
 };
 

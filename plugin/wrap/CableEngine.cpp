@@ -87,7 +87,7 @@ void CableEngine::forget() {
     touching = CableContacts();
     home.reset();
     for (vector<Real>* list : {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &radius,
-                               &arc, &closed, &crossValues, &openAccounts, &watched})
+                               &arc, &closed, &crossValues, &openAccounts, &watched, &balance})
         vector<Real>().swap(*list);
     for (vector<int>* list :
          {&ends,      &next,       &kind,        &elementIds,    &segments,  &points,     &structure, &selfContact,
@@ -99,6 +99,7 @@ void CableEngine::forget() {
     for (auto* list : {&carried, &followed}) vector<Held>().swap(*list);
     vector<Shown>().swap(elementBodies);
     vector<Looked>().swap(lookedAt);
+    vector<Worked>().swap(worked);
     nNodes = kickedNodes = kickedElements = 0;
     lastStep = 0;
 }
@@ -119,13 +120,14 @@ void CableEngine::updateAttributes(const py::dict& attributes) {
 
 void CableEngine::changed() {
     dropModel();
-    pairsChecked = partnersChecked = false;
+    pairsChecked = partnersChecked = balanced = false;
     openAccounts.clear();
 }
 
 void CableEngine::preSave(CableEngine&) {
     const Guard guard; // O.save may come while O.run goes on
     touching.recall(crossPairs, crossValues);
+    keepBalance();
 }
 
 void CableEngine::postSave(CableEngine&) {
@@ -369,9 +371,12 @@ void CableEngine::load(int node, const Vector3r& force) {
     node = tied(node);
     const auto found = std::find(loadNodes.begin(), loadNodes.end(), node);
     if (found != loadNodes.end()) {
-        loads[static_cast<size_t>(found - loadNodes.begin())] = force;
+        Vector3r& now = loads[static_cast<size_t>(found - loadNodes.begin())];
+        bookLoad(node, force - now);
+        now = force;
         return;
     }
+    bookLoad(node, force);
     loadNodes.push_back(node);
     loads.push_back(force);
 }
@@ -437,6 +442,7 @@ void CableEngine::setVelocities(int firstNode, const py::object& ofNodes, int fi
     for (int i = 0; i < 2 * e; ++i)
         setNode(velocity.data(), stride, nNodes + (i % 2) * nElements() + firstElement + i / 2,
                 Vector3r(slopes[3 * i], slopes[3 * i + 1], slopes[3 * i + 2]));
+    balanced = false;
 }
 
 void CableEngine::tie(int node, int other) {

@@ -67,6 +67,12 @@ class CableEngine : public GlobalEngine {
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
+    struct Worked { // a node that something does work on in a step
+        int node, carried; // number in carryNodes if that is a force on the body there, or -1: what leads it
+        Vector3r before;   // its velocity [m/s]
+    };
+    vector<Worked> worked;
+    bool balanced = false, balanceGoesOn = false; // sums are those of this model; and what they began with
     bool pairsChecked = false, partnersChecked = false;
     struct Looked {
         Body::id_t id;
@@ -148,8 +154,22 @@ class CableEngine : public GlobalEngine {
     void startAppended();
     void stepExplicit(int inside);
     void stepImplicit();
-    void noteEnergy(const ancf_time& time);
+    void measureEnergy(const ancf_time& time);
+    void noteEnergy();
     void trackEnergy();
+    Real markOfState() const;
+    void keepBalance();
+    bool balanceDue();
+    bool lossesKnown() const;
+    void lookAtBalance(const ancf_time& time);
+    void judgeBalance(Real found);
+    void noteWorked();
+    Vector3r forceOf(const Worked& one) const;
+    void bookWorked(const ancf_time& time);
+    void checkFound();
+    void bookContacts();
+    void bookLoad(int node, const Vector3r& change);
+    void bookDamping();
 
 public:
     static constexpr int segmentsMost = 64;   // of an element
@@ -267,6 +287,10 @@ public:
         ((vector<Real>, crossValues, , Attr::hidden, "Nine values of each: friction [N], places, late impulse [N s²], owed work [J]."))
         ((vector<Real>, watched, , Attr::hidden, "Of the watch over the step: steps taken, those that look next, the bound of all strains and the strain that automatic steps have room for."))
         ((vector<Real>, openAccounts, , Attr::hidden, "Number of the last step with energies tracked, and what of it the next one counts: height, elastic energy, damping and friction of contacts, damping of cables, lift of bodies [J]."))
+        ((Real, energyTolerance, .02, Attr::triggerPostLoad, "Energy watch: share of `energyScale` by which what the cables and their contacts store, give and lose may differ from the work done on them; beyond it the run stops. inf: no watch."))
+        ((Real, energyOff, 0, Attr::readonly, "That difference when it was last looked at, above 0: gained. Without O.trackEnergy it goes down by what damping of the cables takes out [J]."))
+        ((Real, energyScale, 0, Attr::readonly, "Largest of their energies and works so far [J]."))
+        ((vector<Real>, balance, , Attr::hidden, "Sums of the energy watch."))
         ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
         ,
         .add_property("position", &CableEngine::getPosition, &CableEngine::setPosition, "Positions of nodes [m] and slopes [-]: blocks x, y, z of `stride`, in each the nodes, the slopes at the starts of all elements, those at the ends. ValueError for another length, or what is not finite.")

@@ -123,6 +123,7 @@ void CableEngine::takeGravity() {
         if (!finite(g))
             refuse(text("NewtonIntegrator.gravity = (", g[0], ", ", g[1], ", ", g[2],
                         "): must be finite, and below 1e100 [m/s²]"));
+        if (gravity != g) balanceGoesOn = false;
         gravity = g;
     }
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
@@ -201,14 +202,19 @@ void CableEngine::scatter() {
 
 // Steps of the cable inside this one, and what touches in them.
 void CableEngine::stepExplicit(int inside) {
-    const bool alone = !touching.begin(*this, inside) && !scene->trackEnergy && integrator == "leapfrog";
+    const bool look = balanceDue(), measured = look || scene->trackEnergy;
+    const bool alone = !touching.begin(*this, inside) && !measured && integrator == "leapfrog";
     Real dampedBefore = 0; // the positions that the step starts from
     for (int k = 0; k < inside; ++k) {
         const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
         if (!alone) ancf_predict(model.get(), &time);
-        if (k == 0 && scene->trackEnergy) noteEnergy(time);
+        noteWorked();
+        if (k == 0 && measured) measureEnergy(time);
+        if (k == 0 && scene->trackEnergy) noteEnergy();
+        if (k == 0 && look) lookAtBalance(time);
         if (k == 0 && !alone) touching.gather(*this);
         touching.solve(*this, time, k, inside);
+        if (k == 0) checkFound();
         if (integrator == "rk4") {
             if (touching.displacement())
                 refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
@@ -218,11 +224,14 @@ void CableEngine::stepExplicit(int inside) {
         } else {
             ancf_correct(model.get(), &time, touching.newVelocity(), touching.displacement());
         }
+        if (!worked.empty()) bookWorked(time);
         if (k == 0) dampedBefore = model->damping_half;
         if (k == inside - 1) touching.give(*this, time);
         lastStep = time.step;
     }
     model->damping_half = dampedBefore;
+    bookContacts();
+    bookDamping();
     scatter();
     touching.look(*this);
 }
@@ -230,7 +239,11 @@ void CableEngine::stepExplicit(int inside) {
 // Nothing touches in it.
 void CableEngine::stepImplicit() {
     const ancf_time time {scene->dt, lastStep};
-    if (scene->trackEnergy) noteEnergy(time);
+    const bool look = balanceDue();
+    if (look || scene->trackEnergy) measureEnergy(time);
+    if (scene->trackEnergy) noteEnergy();
+    noteWorked();
+    if (look) lookAtBalance(time);
     const ancf_error error =
         ancf_implicit_step(implicit.get(), model.get(), acceleration.data(), &time, std::max(1, substeps));
     rejectedSteps = static_cast<int>(implicit->rejected);

@@ -128,6 +128,52 @@ static void one_pass_is_the_phases(void** state) {
     }
 }
 
+// Forces on what is free, as the elements make them.
+static double power_of(const built* b, const double* force, const double* velocity) {
+    double sum = 0.0;
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < b->n_dof; ++i) sum += force[c * b->stride + i] * velocity[c * b->stride + i];
+    return sum;
+}
+
+// A step whose energies are wanted takes the same way to the last bit. What it tells of damping is what the forces with
+// less those without rates do, at the velocities before and after the kick.
+static void energies_change_no_bit(void** state) {
+    (void)state;
+    for (int k = 0; k < CASES; ++k) {
+        uint64_t seed = 64 + (uint64_t)k, again = seed;
+        built b = case_of(k, &seed), own = case_of(k, &again);
+        const size_t size = 3 * (size_t)b.stride;
+        double *with = calloc(size, sizeof *with), *without = calloc(size, sizeof *without),
+               *rest = calloc(size, sizeof *rest);
+        ancf_time time = {.step = 1e-4};
+        b.m->track = true;
+        for (int i = 0; i < STEPS; ++i) {
+            double axial, bending;
+            ancf_elastic_energy(&axial, &bending, own.m, own.x, 0, own.def.n_elements);
+            ancf_elastic_force(own.m, with, own.x, own.v);
+            ancf_elastic_force(own.m, without, own.x, rest);
+            ancf_predict(b.m, &time);
+            ancf_predict(own.m, &time);
+            for (size_t j = 0; j < size; ++j) with[j] -= without[j];
+            const double damped[2] = {power_of(&own, with, own.v), power_of(&own, with, own.m->free)};
+            const double scale = 1e-9 * (fabs(power_of(&own, without, own.v)) + fabs(damped[0]) + 1e-3);
+            assert_near(b.m->elastic, axial + bending, 1e-13 * b.m->elastic);
+            for (int j = 0; j < 2; ++j) assert_near(b.m->damping_power[j], damped[j], scale);
+            ancf_correct(b.m, &time, b.m->free, NULL);
+            ancf_correct(own.m, &time, own.m->free, NULL);
+            time.last = time.step;
+            assert_same(b.x, own.x, 3 * b.stride);
+            assert_same(b.v, own.v, 3 * b.stride);
+        }
+        free(with);
+        free(without);
+        free(rest);
+        build_free(&b);
+        build_free(&own);
+    }
+}
+
 // Both copies of a shared slope stay one.
 static void shared_slopes_stay_one(void** state) {
     (void)state;
@@ -178,6 +224,7 @@ static void threads_change_no_bit(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_pass_is_the_phases),
+        cmocka_unit_test(energies_change_no_bit),
         cmocka_unit_test(shared_slopes_stay_one),
         cmocka_unit_test(threads_change_no_bit),
     };

@@ -57,6 +57,8 @@ typedef struct {
     double before[6];            // velocity and spin at the start of the step [m/s], [rad/s]
     double given[6];             // acceleration and turning as they were given: the guess of friction adds to them
     double moved[3], turned[3];  // since the table was filled, at the mean of what those do [m], [rad]
+    double taken[6];             // impulse and twist at the start of the step
+    double work;                 // that they have done on it since the table was filled [J]
     double pushed[6];            // velocity and spin by what was found so far of normal forces in a sub-step, or of
                                  // friction [m/s], [rad/s]
 } ancf_body;
@@ -87,6 +89,9 @@ typedef struct {
     double force, before;  // normal force of a sub-step, and the last that was found [N]
     double kicked;         // part of `force` that has moved what it acts on [N]
     double energy;         // elastic energy at the start of a sub-step, in the end of the step [J]
+    double found;          // and what of it no work has stored: since the table was filled, it was found there, at the
+                           // start of a step, besides what the one before had left [J]
+    double left;           // elastic energy that the step before has left; 0 when the table is filled [J]
     double damped;         // taken out by its damping since the table was filled [J]
     double rubbed;         // and by its friction [J]
     double own;            // velocity along the normal by a unit impulse along it [1/kg]
@@ -198,6 +203,9 @@ double ancf_owed(double before, const double late[3], const double changing[3]);
 
 // Adds the table's impulses to a field of forces, over a time [s] (3 x stride).
 void ancf_table_forces(const ancf_table* table, const ancf_model* m, double time, double* force);
+
+// What the table's impulses give to an unknown in this step, before other unknowns share it [N s].
+void ancf_table_impulse(double impulse[3], const ancf_table* table, int dof);
 
 // Relative velocity of the first side against the second, as it is now [m/s].
 void ancf_table_slip(double v[3], const ancf_table* table, const ancf_contact* contact);

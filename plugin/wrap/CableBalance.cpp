@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The energy watch: what cables have stored, and what was taken out of them, against the work that was done on them.
+//
+// Leapfrog's change of kinetic energy is the work of all forces by algebra. What can go wrong is what these forces have
+// stored: elastic energy of a step that is too long, or of a contact that is found where no work has led it. So the sum
+// is taken up now and then, from the state, and against it what is not a function of the state: the work of nodes that
+// are led, of forces on carried bodies, and of contacts, added up in steps that have them. What contacts are found to
+// store is compared in every step in which they act, before it moves anything.
+#include "CableEngine.hpp"
+
+#include "CableNodes.hpp"
+#include "text.hpp"
+
+extern "C" {
+#include "ancf/balance.h"
+#include "ancf/elastic.h"
+}
+
+#include <algorithm>
+#include <cmath>
+
+namespace yade {
+
+namespace {
+    constexpr Real interval = 100;    // steps between two looks at the energy, at most
+    constexpr Real part = .2;         // of the tolerance: what contacts may exchange between two looks
+    constexpr Real rounding = 1e-9;   // part of the potential of gravity that may be
+    constexpr Real negligible = 1e-6; // strain with whose energy the scale starts
+
+    // What CableEngine.balance holds.
+    enum Sum {
+        NEXT,      // steps to the next look
+        MARK,      // of the state in which it was saved; 0: was not
+        BOOKED,    // 1: with O.trackEnergy, so that damping is known
+        FRESH,     // 1: what contacts store in this step is where the sum begins
+        BASE,      // sum of energies that is balanced [J]
+        LOWEST,    // that was at least [J]
+        START,     // potential of gravity at BASE [J]
+        OUTER,     // work of what leads nodes, of forces on carried bodies, and changes of loads [J]
+        GIVEN,     // to bodies by contacts and couplings [J]
+        TAKEN,     // from them [J]
+        LOST,      // in contacts, by damping and friction [J]
+        SLOWED,    // by damping of cables, as far as it is known [J]
+        STORED,    // in contacts, at the end of the last step [J]
+        FOUND,     // what they were found to store besides, in all [J]
+        SEEN,      // of that, at the last look [J]
+        EXCHANGED, // by contacts since then [J]
+        SUMS
+    };
+
+    Real sumOf(const vector<Real>& values, Real before) {
+        Real weight = 0;
+        for (const Real value : values) before += (weight += 1) * value;
+        return before;
+    }
+} // namespace
+
+// Of all that an edit between O.load and the first step could change.
+Real CableEngine::markOfState() const {
+    Real mark = 1;
+    for (const auto* values : {&position, &velocity, &length, &ea, &ei, &rhoA, &kelvinVoigt})
+        mark = sumOf(*values, mark);
+    return mark;
+}
+
+void CableEngine::keepBalance() {
+    if (balance.size() == SUMS && balanced) balance[MARK] = markOfState();
+}
+
+// True if the energies are wanted at the positions that this step starts from.
+bool CableEngine::balanceDue() {
+    if (!(energyTolerance < std::numeric_limits<Real>::infinity())) {
+        balance.clear();
+        balanced = false;
+        return false;
+    }
+    if (!balanced) {
+        const bool loaded = balance.size() == SUMS && balance[MARK] != 0 && balance[MARK] == markOfState();
+        if (balance.size() != SUMS) balance.assign(SUMS, 0);
+        if (!loaded) balance[NEXT] = 0;
+        balanceGoesOn = loaded;
+        balanced = true;
+    }
+    balance[MARK] = 0;
+    if (balance[BOOKED] != Real(scene->trackEnergy)) {
+        balance[BOOKED] = scene->trackEnergy;
+        balanceGoesOn = false;
+    }
+    if (!balanceGoesOn || scene->trackEnergy) balance[NEXT] = 0;
+    if (balance[NEXT] > 0) {
+        --balance[NEXT];
+        return false;
+    }
+    return true;
+}
+
+// Energies at the positions that a step starts from.
+void CableEngine::measureEnergy(const ancf_time& time) {
+    ancf_model* m = model.get();
+    const bool leapfrog = integrator == "leapfrog";
+    const Real last = leapfrog ? time.last : 0, next = leapfrog ? time.step : 0;
+    if (implicit || !m->track) { // else leapfrog has it from its forces
+        Real axial, bending;
+        ancf_elastic_energy(&axial, &bending, m, m->x, 0, nElements());
+        m->elastic = axial + bending;
+    }
+    elasticAt = m->elastic;
+    heightAt = ancf_height(m);
+    kineticAt = ancf_kinetic_kept(m, last, next);
+    for (size_t i = 0; i < carryNodes.size(); ++i) {
+        if (carrierOf(carryIds[i]) < 0) continue;
+        const Vector3r a = nodeOf(m->a, m->stride, carryNodes[i]);
+        const Vector3r mean = nodeOf(m->v, m->stride, carryNodes[i]) + last / 2 * a;
+        kineticAt +=
+            (*scene->bodies)[carryIds[i]]->state->mass / 2 * (mean.squaredNorm() - (next / 2 * a).squaredNorm());
+    }
+}
+
+// What damping takes out is known with O.trackEnergy alone.
+bool CableEngine::lossesKnown() const {
+    if (implicit) return false;
+    return scene->trackEnergy || std::all_of(kelvinVoigt.begin(), kelvinVoigt.end(), [](Real eta) { return eta == 0; });
+}
+
+// At the positions that the step starts from, and the energies of now.
+void CableEngine::lookAtBalance(const ancf_time& time) {
+    vector<Real>& b = balance;
+    Real potential = heightAt;
+    for (size_t i = 0; i < loadNodes.size(); ++i)
+        potential -= loads[i].dot(nodeOf(model->x, model->stride, loadNodes[i]));
+    const Real slowed = model->track && !implicit && integrator == "leapfrog"
+                            ? b[SLOWED] - ancf_kick(&time) / 2 * model->damping_power[0]
+                            : b[SLOWED];
+    Real now = kineticAt + elasticAt + potential + b[STORED] + b[LOST] + b[GIVEN] - b[TAKEN] + slowed - b[OUTER];
+    for (const Worked& one : worked) now -= forceOf(one).dot(time.last / 2 * one.before);
+    if (!balanceGoesOn) {
+        b[BASE] = now;
+        b[LOWEST] = b[FOUND] = 0;
+        b[START] = potential;
+        b[FRESH] = 1;
+        Real floor = 0;
+        for (int e = 0; e < nElements(); ++e) floor += ea[e] * length[e] / 2 * negligible * negligible;
+        energyScale = std::max(energyScale, floor);
+    }
+    balanceGoesOn = true;
+    energyOff = now - b[BASE];
+    b[LOWEST] = std::min(b[LOWEST], energyOff);
+    energyScale = std::max({energyScale, kineticAt + elasticAt + b[STORED], std::abs(b[OUTER]), b[GIVEN], b[TAKEN],
+                            b[LOST] + slowed, std::abs(potential - b[START]), rounding * std::abs(potential)});
+    b[SEEN] = b[FOUND];
+    b[EXCHANGED] = 0;
+    b[NEXT] = interval - 1;
+    judgeBalance(0);
+}
+
+// found: what contacts are found to store in this step besides what the one before had left.
+void CableEngine::judgeBalance(Real found) {
+    const vector<Real>& b = balance;
+    const Real off = energyOff + b[FOUND] - b[SEEN] + found, contacts = b[FOUND] + found;
+    const Real most = energyTolerance * energyScale;
+    // Damping takes out what is not known: then what has been gained since the sum was lowest.
+    Real amount = off;
+    if (!lossesKnown()) amount -= implicit ? std::min(off, 0.) : std::min(b[LOWEST], off);
+    if (std::abs(amount) <= most && std::abs(contacts) <= most) return;
+    if (!std::isfinite(amount))
+        refuse(text("at iteration ", scene->iter, " the energy is no longer finite: a force or a velocity was not"));
+    const bool byContacts = std::abs(contacts) > std::abs(amount) / 2;
+    if (std::abs(amount) <= most) amount = contacts;
+    int element = 0;
+    const Real strain = ancf_strain_max(model.get(), model->x, &element);
+    string where = byContacts ? touching.mostFound() : string();
+    if (where.empty()) where = text("element ", element, ", which has the largest strain, ", strain);
+    refuse(text("at iteration ", scene->iter, " the energy is out of balance: ", std::abs(amount), " J were ",
+                amount < 0 ? "lost" : "gained", ", ", 100 * std::abs(amount) / energyScale, " % of ", energyScale,
+                " J, most likely by ", where, ". The step O.dt = ", scene->dt,
+                " s is too long for that: use O.dt = ", scene->dt / 2,
+                " s, or damping (energyTolerance = ", energyTolerance, " is the share allowed; inf: no watch)"));
+}
+
+// ---------------------------------------------------------------- booked in steps
+
+// Nodes that something does work on, as they are before a step.
+void CableEngine::noteWorked() {
+    worked.clear();
+    if (!balanced) return;
+    const ancf_model* m = model.get();
+    for (size_t i = 0; i < followNodes.size(); ++i) {
+        const int node = followNodes[i];
+        const Vector3r before = nodeOf(m->v, m->stride, node);
+        if (before != Vector3r::Zero() || nodeOf(m->held, m->stride, node) != Vector3r::Zero())
+            worked.push_back({node, -1, before});
+    }
+    for (size_t i = 0; i < carryNodes.size(); ++i)
+        if (carriedForce[i] != Vector3r::Zero() && carrierOf(carryIds[i]) >= 0)
+            worked.push_back({carryNodes[i], static_cast<int>(i), nodeOf(m->v, m->stride, carryNodes[i])});
+    if (!worked.empty() && integrator != "leapfrog") balanceGoesOn = false; // their work is not known
+}
+
+Vector3r CableEngine::forceOf(const Worked& one) const {
+    if (one.carried >= 0) return carriedForce[one.carried];
+    Vector3r force;
+    ancf_reaction(force.data(), model.get(), one.node);
+    return force;
+}
+
+// The work on them, as leapfrog has it: each way goes with the mean of the forces at its ends.
+void CableEngine::bookWorked(const ancf_time& time) {
+    const ancf_model* m = model.get();
+    for (const Worked& one : worked) {
+        const Vector3r after = nodeOf(m->v, m->stride, one.node);
+        balance[OUTER] += forceOf(one).dot(time.last * one.before + time.step * after) / 2;
+        if (one.carried >= 0 || !touching.displacement()) continue;
+        Vector3r impulse; // of contacts, that what leads the node takes
+        touching.impulseOn(impulse, one.node);
+        balance[OUTER] -= impulse.dot(one.before + after) / 2;
+    }
+}
+
+// Before contacts move anything.
+void CableEngine::checkFound() {
+    if (!balanced || !balanceGoesOn) return;
+    const Real found = touching.found() - balance[STORED];
+    if (balance[FRESH] != 0) {
+        balance[FRESH] = 0;
+        balance[BASE] += found;
+        balance[STORED] += found;
+    } else if (found != 0) {
+        judgeBalance(found);
+    }
+}
+
+void CableEngine::bookContacts() {
+    if (!balanced) return;
+    vector<Real>& b = balance;
+    const CableContacts::Energies e = touching.energies();
+    b[FOUND] += e.found - b[STORED];
+    b[EXCHANGED] +=
+        std::abs(e.found - b[STORED]) + std::abs(e.elastic - b[STORED]) + e.damped + e.rubbed + e.given + e.taken;
+    b[STORED] = e.elastic;
+    if (e.elastic > 0) touching.noteFullest();
+    b[LOST] += e.damped + e.rubbed;
+    b[GIVEN] += e.given;
+    b[TAKEN] += e.taken;
+    if (b[EXCHANGED] > part * energyTolerance * energyScale) b[NEXT] = 0;
+}
+
+void CableEngine::bookLoad(int node, const Vector3r& change) {
+    if (balance.size() == SUMS) balance[OUTER] -= change.dot(nodeOf(position.data(), getStride(), node));
+}
+
+void CableEngine::bookDamping() {
+    if (balanced && model->track && !implicit) balance[SLOWED] += model->damping_work;
+}
+
+} // namespace yade
