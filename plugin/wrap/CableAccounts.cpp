@@ -165,6 +165,7 @@ void CableEngine::relax(Real tolerance, int iterations) {
         throw std::invalid_argument(text("CableEngine.relax: tolerance = ", tolerance, ", iterations = ", iterations,
                                          ": both must be above 0"));
     Scene& s = theScene();
+    followMaterials();
     build();
     const CableCheck check(*this);
     check.others();

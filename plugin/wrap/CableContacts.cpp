@@ -5,6 +5,7 @@
 #include "CableGeom.hpp"
 #include "CableNodes.hpp"
 #include "Drive.hpp"
+#include "MaterialWatch.hpp"
 #include "text.hpp"
 
 #include <core/Clump.hpp>
@@ -67,6 +68,7 @@ void CableContacts::makeCover(const CableEngine& cable) {
     auto& cover = shown->cover;
     cover.assign(n, ancf_cover {});
     std::map<std::pair<const Material*, Real>, int> kindOf;
+    covers.clear();
     vector<bool> owned(static_cast<size_t>(m->n_nodes), false);
     for (size_t e = 0; e < n; ++e) {
         ancf_cover& c = cover[e];
@@ -76,7 +78,9 @@ void CableContacts::makeCover(const CableEngine& cable) {
         c.radius = cable.radius[e];
         c.segments = cable.segments[e];
         c.points = cable.points[e] != 0;
-        c.kind = kindOf.insert({{body.material.get(), c.radius}, static_cast<int>(kindOf.size())}).first->second;
+        const auto [kind, fresh] = kindOf.insert({{body.material.get(), c.radius}, static_cast<int>(kindOf.size())});
+        c.kind = kind->second;
+        if (fresh) covers.emplace_back(body.material, c.radius);
         c.mask = static_cast<int>(body.groupMask) & ~CableElement::allHave;
         c.structure = cable.structure[e];
         c.own = cable.selfContact[e] != 0;
@@ -90,18 +94,28 @@ void CableContacts::makeCover(const CableEngine& cable) {
         if (!CableElement::of(body)) cable.refuse(text("body ", body.id, " is no CableElement"));
     }
     kinds = static_cast<int>(kindOf.size());
-    laws.assign(static_cast<size_t>(kinds * kinds), ancf_laws {});
-    for (const auto& [a, i] : kindOf)
-        for (const auto& [b, j] : kindOf) {
-            const auto *first = dynamic_cast<const HollarsMat*>(a.first),
-                       *second = dynamic_cast<const HollarsMat*>(b.first);
-            if (!first || !second) cable.refuse("the material of a cable's body must be a HollarsMat");
-            HollarsPhys phys;
-            mixHollars(phys, *first, *second, 1 / (1 / a.second + 1 / b.second));
-            phys.normalKind = cable.normalKind;
-            phys.frictionKind = cable.frictionKind;
-            laws[static_cast<size_t>(i * kinds + j)] = {phys.normalLaw(), phys.frictionLaw()};
-        }
+    mixLaws(cable);
+}
+
+void CableContacts::mixLaws(const CableEngine& cable) {
+    const size_t n = covers.size();
+    laws.assign(n * n, ancf_laws {});
+    for (const auto& [material, radius] : covers) {
+        if (!dynamic_cast<const HollarsMat*>(material.get()))
+            cable.refuse("the material of a cable's body must be a HollarsMat");
+        MaterialWatch::instance().add(material);
+    }
+    for (size_t i = 0; i < n * n; ++i) {
+        const auto& [first, r1] = covers[i / n];
+        const auto& [second, r2] = covers[i % n];
+        HollarsPhys phys;
+        mixHollars(phys, static_cast<const HollarsMat&>(*first), static_cast<const HollarsMat&>(*second),
+                   1 / (1 / r1 + 1 / r2));
+        phys.normalKind = cable.normalKind;
+        phys.frictionKind = cable.frictionKind;
+        laws[i] = {phys.normalLaw(), phys.frictionLaw()};
+    }
+    edition = MaterialWatch::instance().edition();
 }
 
 void CableContacts::build(CableEngine& cable) {
@@ -236,6 +250,7 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
     CableGeom* geom = geomOf(contact);
     if (!geom || geom->xi.empty()) return;
     auto* phys = static_cast<HollarsPhys*>(contact.phys.get());
+    followMaterials(*phys, *cable.scene, contact);
     phys->normalKind = cable.normalKind;
     phys->frictionKind = cable.frictionKind;
     const Body &first = *(*cable.scene->bodies)[contact.getId1()], &second = *(*cable.scene->bodies)[contact.getId2()];
@@ -341,6 +356,8 @@ bool CableContacts::begin(const CableEngine& cable, int steps) {
     if (stamp.size() < bodies) stamp.resize(bodies, -1);
     if (entryOfBody.size() < bodies) entryOfBody.resize(bodies);
     knotOfCarrier.assign(cable.carryIds.size(), -1);
+    MaterialWatch::instance().look();
+    if (edition != MaterialWatch::instance().edition()) mixLaws(cable);
     lookAround(cable);
     return windows > 0 || cable.anyCoupled || find(cable, [](const Interaction& contact, int) {
                const CableGeom* geom = geomOf(contact);

@@ -78,6 +78,22 @@ void CableEngine::checkNode(int node, const char* what) const {
         throw std::out_of_range(text("CableEngine.", what, ": node ", node, " does not exist, there are ", nNodes));
 }
 
+// Bodies of elements that were there, of which none is, tell of a scene that is gone.
+void CableEngine::checkHome() const {
+    const BodyContainer& bodies = *theScene().bodies;
+    Body::id_t one = -1;
+    for (const Body::id_t id : elementIds) {
+        if (id < 0) continue;
+        one = id;
+        if (!bodies.exists(id)) continue;
+        const auto* element = dynamic_cast<const CableElement*>(bodies[id]->shape.get());
+        if (element && element->family == family) return;
+    }
+    if (one >= 0)
+        refuse(text("body ", one, " of its elements is not in O.bodies, nor any other: it belongs to a scene that "
+                    "O.reset() or O.load() has taken away; make a new one"));
+}
+
 void CableEngine::checkUnclaimed(int node) const {
     const char* claim = has(fixedNodes, node)    ? "fixed"
                         : has(followNodes, node) ? "following a body"
@@ -106,6 +122,7 @@ namespace {
 py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlopes, const py::object& newEnds,
                            const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
                            Real newRhoA, Real newDamping) {
+    checkHome();
     const Numbers<Real> nodes(newNodes, "CableEngine.add: nodes"), slopes(newSlopes, "CableEngine.add: slopes"),
         lengths(newLength, "CableEngine.add: length");
     const Numbers<int> endsOf(newEnds, "CableEngine.add: ends"), nextOf(newNext, "CableEngine.add: next");
@@ -256,13 +273,14 @@ void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
     if (state.blockedDOFs == State::DOF_ALL && !placedByDrive(theScene(), body))
         throw std::invalid_argument(text("CableEngine.carry: body ", id, " is blocked in all freedoms: use follow"));
     const Real gap = (state.pos + state.ori * place - nodeOf(position.data(), getStride(), node)).norm();
-    if (gap > 1e-6 * (1 + state.pos.norm()))
+    if (!(gap <= 1e-6 * (1 + state.pos.norm())))
         throw std::invalid_argument(text("CableEngine.carry: node ", node, " is ", gap,
                                          " m from the point `at` of body ", id, ": put the body there first"));
     // Free to move and held at its centre, the body is no more than mass at the node.
     if (place.norm() == 0 && !(state.blockedDOFs & State::DOF_XYZ)) {
         if (has(carryIds, id))
             throw std::invalid_argument(text("CableEngine.carry: body ", id, " is carried at its centre already"));
+        if (kept) freedomsBefore.emplace_back(id, state.blockedDOFs);
         state.blockedDOFs |= State::DOF_XYZ;
     }
     carryNodes.push_back(node);

@@ -70,7 +70,7 @@ const Body& CableEngine::elementBody(int element) const {
     if (!s.bodies->exists(id))
         refuse(text(
             "body ", id, " of element ", element,
-            " was erased: erase the whole cable with its engine, or make one that touches nothing (contactPoints=0)"));
+            " was erased, or belongs to a scene before O.reset(): erase the whole cable with its engine, or make one that touches nothing (contactPoints=0)"));
     return *(*s.bodies)[id];
 }
 
@@ -152,6 +152,7 @@ void CableEngine::scatter() {
 
 void CableEngine::getReady() {
     const size_t known = carrierOfBody.size();
+    followMaterials();
     try {
         if (pairsChecked) {
             checkBodies();

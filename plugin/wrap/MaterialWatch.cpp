@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "MaterialWatch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace yade {
+
+namespace {
+    constexpr size_t atOnce = 1000; // looked at in a step; a scene with more materials waits for its turn
+} // namespace
+
+MaterialWatch& MaterialWatch::instance() {
+    static MaterialWatch watch;
+    return watch;
+}
+
+MaterialWatch::Values MaterialWatch::valuesOf(const Material& material) {
+    Values all {};
+    if (const auto* elastic = dynamic_cast<const ElastMat*>(&material)) {
+        all[0] = elastic->young;
+        all[1] = elastic->poisson;
+    }
+    if (const auto* m = dynamic_cast<const HollarsMat*>(&material)) {
+        const Real rest[] = {m->staticFriction, m->kineticFriction, m->transitionVelocity, m->impactDamping,
+                             m->dashpot,        m->normalStiffness, m->normalExponent};
+        std::copy(std::begin(rest), std::end(rest), all.begin() + 2);
+    } else if (const auto* frict = dynamic_cast<const FrictMat*>(&material)) {
+        all[2] = frict->frictionAngle;
+    }
+    return all;
+}
+
+void MaterialWatch::add(const shared_ptr<Material>& material) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    const auto [at, fresh] = numbers.insert({material.get(), known.size()});
+    const Known now = {material.get(), material, valuesOf(*material)};
+    if (fresh) known.push_back(now);
+    else if (Known& old = known[at->second]; old.material.expired()) old = now; // at the same address
+}
+
+void MaterialWatch::look() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    bool edited = false;
+    for (size_t n = std::min(atOnce, known.size()); n > 0; --n) {
+        if (next >= known.size()) next = 0;
+        if (const auto material = known[next].material.lock()) {
+            if (auto* hollars = dynamic_cast<HollarsMat*>(material.get())) hollars->takeFrictionAngle();
+            const Values now = valuesOf(*material);
+            edited = edited || std::memcmp(&now, &known[next].values, sizeof now) != 0;
+            known[next++].values = now;
+        } else { // the last one takes its place
+            numbers[known.back().key] = next;
+            numbers.erase(known[next].key);
+            known[next] = known.back();
+            known.pop_back();
+        }
+    }
+    if (edited) ++editions;
+}
+
+long MaterialWatch::mark(const Material& a, const Material& b) {
+    uint64_t hash = 1469598103934665603u; // FNV-1a, by words
+    for (const Material* each : {&a, &b})
+        for (const Real value : valuesOf(*each)) {
+            uint64_t word;
+            std::memcpy(&word, &value, sizeof word);
+            hash = (hash ^ word) * 1099511628211u;
+            hash ^= hash >> 32;
+        }
+    return static_cast<long>(hash >> 1); // never negative
+}
+
+} // namespace yade
