@@ -71,10 +71,6 @@ ancf_account ancf_elastic_account(const ancf_model* m, const double* x, const do
     return sum;
 }
 
-double ancf_damping_power(const ancf_model* m, const double* x, const double* v) {
-    return -ancf_elastic_account(m, x, v, v).before;
-}
-
 // r' and its rate at xi.
 static void slope_at(double r[3], const ancf_model* m, const double* field, int e, double xi) {
     double g0[3], d[3], g1[3], s[3];
