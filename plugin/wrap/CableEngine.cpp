@@ -90,7 +90,8 @@ void CableEngine::checkHome() const {
         if (element && element->family == family) return;
     }
     if (one >= 0)
-        refuse(text("body ", one, " of its elements is not in O.bodies, nor any other: it belongs to a scene that "
+        refuse(text("body ", one,
+                    " of its elements is not in O.bodies, nor any other: it belongs to a scene that "
                     "O.reset() or O.load() has taken away; make a new one"));
 }
 

@@ -55,7 +55,7 @@ class CableEngine : public GlobalEngine {
     Real watchedStep = 0;    // O.dt that was looked at [s]
     long watchedBodies = -1; // so many bodies were looked at
     struct Kept;
-    std::shared_ptr<Kept> kept; // between begin() and commit() or rollback()
+    std::shared_ptr<Kept> kept;                             // between begin() and commit() or rollback()
     vector<std::pair<Body::id_t, unsigned>> freedomsBefore; // of bodies carried since begin()
     int lostIx = -1, elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1,
         pressIx = -1;

@@ -68,9 +68,9 @@ const Body& CableEngine::elementBody(int element) const {
     const Scene& s = theScene();
     const Body::id_t id = elementIds[element];
     if (!s.bodies->exists(id))
-        refuse(text(
-            "body ", id, " of element ", element,
-            " was erased, or belongs to a scene before O.reset(): erase the whole cable with its engine, or make one that touches nothing (contactPoints=0)"));
+        refuse(text("body ", id, " of element ", element,
+                    " was erased, or belongs to a scene before O.reset(): erase the whole cable with its engine, or "
+                    "make one that touches nothing (contactPoints=0)"));
     return *(*s.bodies)[id];
 }
 

@@ -138,7 +138,7 @@ void followMaterials(HollarsPhys& phys, const Scene& scene, const Interaction& c
     MaterialWatch& watch = MaterialWatch::instance();
     if (phys.edition == watch.edition()) return;
     const shared_ptr<Material>&first = (*scene.bodies)[contact.getId1()]->material,
-        &second = (*scene.bodies)[contact.getId2()]->material;
+          &second = (*scene.bodies)[contact.getId2()]->material;
     const auto *a = dynamic_cast<const ElastMat*>(first.get()), *b = dynamic_cast<const ElastMat*>(second.get());
     if (!a || !b) return;
     if (phys.edition == 0) // just loaded

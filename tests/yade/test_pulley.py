@@ -51,9 +51,12 @@ def onSheave(
     profile=None,
     span=3,
     damping=2e-5,
+    sign=1,
     **more,
 ):
-    """A cable that wraps a sheave by theta [deg], knot 0 pulled by `load`; (cable, sheave, span)."""
+    """A cable that wraps a sheave by theta [deg], knot 0 pulled by `load`; (cable, sheave, path, its
+    direction at the other end). sign: of the way round.
+    """
     O.reset()
     friction = dict(staticFriction=mu, kineticFriction=mu)
     values = dict(normalStiffness=1e6, dashpot=20.0)
@@ -65,11 +68,11 @@ def onSheave(
     e1[(k + 1) % 3] = 1
     e1 -= e1 @ a * a
     e1 /= np.linalg.norm(e1)
-    e2 = np.cross(a, e1)
+    e2 = sign * np.cross(a, e1)
     angle, length = math.radians(theta), span * R * math.radians(elementAngle)
     u = -math.sin(angle) * e1 + math.cos(angle) * e2
     end = R * (math.cos(angle) * e1 + math.sin(angle) * e2) + length * u
-    stop = (sheave, 1, int(theta // 360))
+    stop = (sheave, sign, int(theta // 360))
     path = pulleys.Path([stop], diameter=D, start=R * e1 - length * e2, end=end)
     assert path.angles[0] == pytest.approx(angle, rel=1e-9)
     pull = profile or (lambda phi: load * math.exp(0.8 * mu * phi))
@@ -96,11 +99,11 @@ def turned(cable, sheave, speed):
     return engine
 
 
-def capstan(theta, mu, time, slip=0.1, **more):
+def capstan(theta, mu, time, slip=0.1, sign=1, **more):
     """T2/T1 on a drum that turns under a held cable; the cable, the sheave."""
-    cable, sheave, _, _ = onSheave(theta, mu, **more)
+    cable, sheave, _, _ = onSheave(theta, mu, sign=sign, **more)
     cable.fix(-1)
-    turned(cable, sheave, -slip / R)
+    turned(cable, sheave, -sign * slip / R)
     rows = record(20, lambda: cable.reaction(-1).norm())
     run(time)
     return np.mean(rows[len(rows) // 2 :]), cable, sheave
@@ -119,8 +122,7 @@ CAPSTANS = [
 @pytest.mark.parametrize("theta, mu, time", CAPSTANS)
 def test_capstan(scene, theta, mu, time):
     ratio, _, _ = capstan(theta, mu, time)
-    # At 540 degrees the tight side still rings.
-    off = 4e-3 if theta == 540 else 1e-3
+    off = 8e-3 if theta == 540 else 1e-3  # there the tight side still rings
     assert ratio == pytest.approx(math.exp(mu * math.radians(theta)), rel=off)
 
 
@@ -190,7 +192,7 @@ def test_moving_cable(scene):
     rows = record(20, lambda: cable.reaction(-1).norm())
     run(0.05)
     ratio = (np.mean(rows[len(rows) // 3 :]) - hoop) / (load - hoop)
-    assert ratio == pytest.approx(math.exp(mu * math.pi / 2), rel=1e-3)
+    assert ratio == pytest.approx(math.exp(mu * math.pi / 2), rel=4e-3)
 
 
 def test_stiction_creeps_as_hollars_does(scene):
@@ -271,7 +273,7 @@ def test_atwood(scene):
     t, *speeds, momentum, torque = np.array(rows).T
     window = np.sqrt(np.hanning(len(t)))  # the weights swing a little on their spans
     found = [np.polyfit(t, v, 1, w=window)[0] for v in speeds]
-    assert found == pytest.approx([a] * 3, rel=1e-3)
+    assert found == pytest.approx([a] * 3, rel=4e-3)
     rate = np.diff(momentum) / np.diff(t)
     assert rate == pytest.approx((torque[1:] + torque[:-1]) / 2, rel=1e-3)
 
@@ -570,8 +572,9 @@ def test_guided_body_on_a_cable(scene):
     mean = (guide.position(ids[0]) + guide.position(ids[1])) / 2
     assert mean == pytest.approx(1.5 * 0.2**2 / 2 / (1 + 0.00025), rel=1e-3)
     times, forces = np.array(rows).T
-    swing = math.sqrt(2 * 1e4 / 0.5)  # of two masses of 1 kg at the ends of a spring EA/L
-    assert forces == pytest.approx(1.5 * (1 - np.cos(swing * times)), abs=0.03)
+    # Two masses of 1 kg at the ends of a spring EA/L, which the mean pull stiffens by 3 T/EA.
+    swing = math.sqrt(2 * 1e4 / 0.5 * (1 + 3 * 1.5e-4))
+    assert -forces == pytest.approx(1.5 * (1 - np.cos(swing * times)), abs=5e-3)
 
 
 def test_linear_drive_leads_a_knot(scene):
@@ -591,7 +594,7 @@ def test_linear_drive_leads_a_knot(scene):
 
 def test_debris_rolls_in_the_groove_of_a_sheave(scene):
     """A ball swings across the groove of a fixed sheave, rolling: T = 2 pi sqrt(7/5 (R - r)/g)."""
-    cableMaterial("steel", 1e6, 1.0, D, normalStiffness=1e5, dashpot=20.0)
+    cableMaterial("steel", 1e6, 1.0, D, normalStiffness=1e7, dashpot=200.0)
     sheave = pulleys.sheave((0, 0, 0), 0.05, axis=(1, 0, 0), width=0.03, material="steel")
     groove, aside = 0.015 - 0.01, 0.001
     middle = np.array([0, 0, 0.05 + 0.015])  # of the groove's circle
@@ -610,7 +613,7 @@ def test_debris_rolls_in_the_groove_of_a_sheave(scene):
     time, x, y, z, force = np.array(rows).T
     away = np.hypot(x, z - middle[2])
     weight = state.mass * G
-    assert away == pytest.approx(groove, abs=5 * weight / 1e5)  # as deep as it lies in, and bounces
+    assert away == pytest.approx(groove, abs=3 * weight / 1e7)  # as deep as it lies in, and bounces
     assert np.abs(y).max() < 1e-12
     zeros = time[:-1][np.diff(np.sign(x)) != 0]
     assert np.diff(zeros) == pytest.approx(period / 2, rel=0.01)
