@@ -12,6 +12,7 @@ What no test notices is listed at the end, and the script ends with 1; as it doe
 import argparse
 import os
 import pathlib
+import shlex
 import shutil
 import subprocess
 import sys
@@ -76,7 +77,7 @@ class Copy:
         if test.startswith("c:"):
             return run([self.build / "tests" / "c" / f"test_{test[2:]}"], test)
         environment = {**os.environ, "PYTHONPATH": str(self.build / "python")}
-        command = [PYTHON, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *test.split(None, 2)]
+        command = [PYTHON, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *shlex.split(test)]
         return run(command, test, cwd=self.source / "tests" / "yade", env=environment)
 
 

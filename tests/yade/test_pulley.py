@@ -7,6 +7,8 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import ancf
 from ancf import pulleys
@@ -370,44 +372,22 @@ def liftOff(ei, tension, radius, length):
     """
 
     def shoot(psi):
-        h, state, points = length / 2000, np.array([psi, -1 / radius]), [np.zeros(2)]
+        return solve_ivp(
+            lambda _, y: [y[1], tension / ei * math.sin(y[0]), math.cos(y[0]), math.sin(y[0])],
+            (0, length),
+            [psi, -1 / radius, 0, 0],
+            t_eval=np.linspace(0, length, 2001),
+            events=bentOver,
+            rtol=1e-9,
+        ).y
 
-        def rate(y):
-            return np.array([y[1], tension / ei * math.sin(y[0])])
+    def bentOver(_, y):
+        return abs(y[0]) - 3
 
-        for _ in range(2000):
-            k1 = rate(state)
-            k2 = rate(state + h / 2 * k1)
-            k3 = rate(state + h / 2 * k2)
-            k4 = rate(state + h * k3)
-            new = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-            middle = (state[0] + new[0]) / 2
-            points.append(points[-1] + h * np.array([math.cos(middle), math.sin(middle)]))
-            state = new
-            if abs(state[0]) > 3:
-                break
-        return state[1], np.array(points)
-
-    low, high = 0.0, 1.5  # too small an angle: it bends over; too large: back
-    for _ in range(50):
-        psi = (low + high) / 2
-        if shoot(psi)[0] < 0:
-            low = psi
-        else:
-            high = psi
-    return psi, shoot(psi)[1]
-
-
-def settle(cable, time):
-    """To rest, by taking the speed out whenever kinetic energy has begun to fall."""
-    last = 0.0
-    for _ in range(round(time / 1e-3)):
-        run(1e-3)
-        kinetic = cable.energy()["kinetic"]
-        if kinetic < last:
-            cable.engine.velocity = [0.0] * len(cable.engine.velocity)
-            kinetic = 0.0
-        last = kinetic
+    bentOver.terminal = True
+    # Too small an angle: it bends over; too large: back.
+    psi = brentq(lambda psi: shoot(psi)[1, -1], 0.0, 1.5)
+    return psi, shoot(psi)[2:].T
 
 
 @pytest.mark.parametrize("stiffness", [0.05, 0.3])
@@ -435,7 +415,7 @@ def test_bending_stiff_cable(scene, stiffness):
     cable.load(-1, (0, 0, -tension))
     O.engines = pulleys.engines(cable, contact=LINEAR, substeps=1)
     O.dt = 0.8 * cable.criticalTimeStep()
-    settle(cable, 0.15)
+    pulleys.settle(cable, 0.15)
     psi, shape = liftOff(ei, tension, radius, length)
     angle = math.pi / 2 - psi  # from the top, where it leaves
     x0, z0 = radius * math.sin(angle), radius * math.cos(angle)
