@@ -329,7 +329,7 @@ static void many_contacts_solve_their_equations(void** state) {
         for (int k = 0; k < s.n; ++k) {
             const ancf_contact* c = ancf_table_contact(s.t, k);
             assert_near(dot(c->friction, c->normal), 0.0, 1e-14);
-            assert_true(norm(c->friction) <= 0.3 * s.force[k] * (1.0 + 1e-14));
+            assert_true(norm(c->friction) <= 0.3 * s.force[k] * (1.0 + 1e-14 + 10.0 * left));
         }
         // What the table says it did to the velocities is what these forces do, and nothing else.
         double* v = malloc(3 * (size_t)s.b.stride * sizeof *v);
@@ -345,7 +345,7 @@ static void many_contacts_solve_their_equations(void** state) {
     }
     print_message("exact %d of 600, residual %.2g N\n", exact, worst);
     assert_true(exact >= 600 * 99 / 100);
-    assert_true(worst < 3e-6); // of 3 N
+    assert_true(worst < 1e-6); // of 3 N
 }
 
 // A contact's own answer and the velocities at its sides are those of the mass matrix and the bodies.
