@@ -16,26 +16,23 @@ MaterialWatch& MaterialWatch::instance() {
     return watch;
 }
 
-MaterialWatch::Values MaterialWatch::valuesOf(const Material& material) {
-    Values all {};
-    if (const auto* elastic = dynamic_cast<const ElastMat*>(&material)) {
-        all[0] = elastic->young;
-        all[1] = elastic->poisson;
-    }
-    if (const auto* m = dynamic_cast<const HollarsMat*>(&material)) {
-        const Real rest[] = {m->staticFriction, m->kineticFriction, m->transitionVelocity, m->impactDamping,
-                             m->dashpot,        m->normalStiffness, m->normalExponent};
-        std::copy(std::begin(rest), std::end(rest), all.begin() + 2);
-    } else if (const auto* frict = dynamic_cast<const FrictMat*>(&material)) {
-        all[2] = frict->frictionAngle;
-    }
-    return all;
+MaterialWatch::View::View(Material& material)
+    : elastic(dynamic_cast<ElastMat*>(&material)), hollars(dynamic_cast<HollarsMat*>(&material)),
+      frict(dynamic_cast<FrictMat*>(&material)) {}
+
+MaterialWatch::Values MaterialWatch::View::values() const {
+    if (const HollarsMat* m = hollars)
+        return {m->young,         m->poisson, m->staticFriction,  m->kineticFriction, m->transitionVelocity,
+                m->impactDamping, m->dashpot, m->normalStiffness, m->normalExponent};
+    if (!elastic) return {};
+    return {elastic->young, elastic->poisson, frict ? frict->frictionAngle : 0};
 }
 
 void MaterialWatch::add(const shared_ptr<Material>& material) {
     const std::lock_guard<std::mutex> lock(mutex);
     const auto [at, fresh] = numbers.insert({material.get(), known.size()});
-    const Known now = {material.get(), material, valuesOf(*material)};
+    const View view(*material);
+    const Known now = {material.get(), material, view, view.values()};
     if (fresh) known.push_back(now);
     else if (Known& old = known[at->second]; old.material.expired()) old = now; // at the same address
 }
@@ -46,10 +43,12 @@ void MaterialWatch::look() {
     for (size_t n = std::min(atOnce, known.size()); n > 0; --n) {
         if (next >= known.size()) next = 0;
         if (const auto material = known[next].material.lock()) {
-            if (auto* hollars = dynamic_cast<HollarsMat*>(material.get())) hollars->takeFrictionAngle();
-            const Values now = valuesOf(*material);
-            edited = edited || std::memcmp(&now, &known[next].values, sizeof now) != 0;
-            known[next++].values = now;
+            Known& one = known[next++];
+            if (one.view.hollars) one.view.hollars->takeFrictionAngle();
+            const Values now = one.view.values();
+            if (std::memcmp(&now, &one.values, sizeof now) == 0) continue;
+            one.values = now;
+            edited = true;
         } else { // the last one takes its place
             numbers[known.back().key] = next;
             numbers.erase(known[next].key);
@@ -63,7 +62,7 @@ void MaterialWatch::look() {
 long MaterialWatch::mark(const Material& a, const Material& b) {
     uint64_t hash = 1469598103934665603u; // FNV-1a, by words
     for (const Material* each : {&a, &b})
-        for (const Real value : valuesOf(*each)) {
+        for (const Real value : View(const_cast<Material&>(*each)).values()) {
             uint64_t word;
             std::memcpy(&word, &value, sizeof word);
             hash = (hash ^ word) * 1099511628211u;

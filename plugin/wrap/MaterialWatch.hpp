@@ -18,9 +18,19 @@ class MaterialWatch {
     // young, poisson, and what HollarsMat or FrictMat say of contact
     using Values = std::array<Real, 9>;
 
+    // A material as what it is, so that a step asks for no classes.
+    struct View {
+        ElastMat* elastic;
+        HollarsMat* hollars;
+        FrictMat* frict;
+
+        explicit View(Material& material);
+        Values values() const;
+    };
     struct Known {
         const Material* key;
         boost::weak_ptr<Material> material;
+        View view;
         Values values;
     };
     std::mutex mutex;
@@ -28,8 +38,6 @@ class MaterialWatch {
     std::vector<Known> known;
     size_t next = 0; // in `known`, to be looked at
     std::atomic<long> editions {1};
-
-    static Values valuesOf(const Material& material);
 
 public:
     static MaterialWatch& instance();
