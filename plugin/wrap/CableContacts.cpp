@@ -356,8 +356,6 @@ bool CableContacts::begin(const CableEngine& cable, int steps) {
     if (stamp.size() < bodies) stamp.resize(bodies, -1);
     if (entryOfBody.size() < bodies) entryOfBody.resize(bodies);
     knotOfCarrier.assign(cable.carryIds.size(), -1);
-    MaterialWatch::instance().look();
-    if (edition != MaterialWatch::instance().edition()) mixLaws(cable);
     lookAround(cable);
     return windows > 0 || cable.anyCoupled || find(cable, [](const Interaction& contact, int) {
                const CableGeom* geom = geomOf(contact);
@@ -366,6 +364,8 @@ bool CableContacts::begin(const CableEngine& cable, int steps) {
 }
 
 void CableContacts::gather(CableEngine& cable) {
+    MaterialWatch::instance().look();
+    if (edition != MaterialWatch::instance().edition()) mixLaws(cable);
     addCouplings(cable);
     find(cable, [&](const Interaction& contact, int element) {
         addContact(cable, contact, element);
