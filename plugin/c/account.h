@@ -15,4 +15,7 @@ void ancf_elastic_force_booked(ancf_books* books, ancf_model* m, double* force, 
 // Power of these at another velocity, before anything else uses m->work.
 double ancf_elastic_power(const ancf_model* m, const double* v);
 
+// What Kelvin-Voigt forces take out at a state [W].
+double ancf_damping_power(const ancf_model* m, const double* x, const double* v);
+
 #endif

@@ -151,6 +151,7 @@ void CableEngine::relax(Real tolerance, int iterations) {
                                          ": both must be above 0"));
     refuseWhileRunning("CableEngine.relax");
     Scene& s = theScene();
+    followMaterials();
     build();
     const CableCheck check(*this);
     check.others();

@@ -5,6 +5,7 @@
 #include "CableGeom.hpp"
 #include "CableNodes.hpp"
 #include "Drive.hpp"
+#include "MaterialWatch.hpp"
 #include "text.hpp"
 
 #include <core/Clump.hpp>
@@ -88,6 +89,7 @@ void CableContacts::makeCover(const CableEngine& cable) {
     auto& cover = shown->cover;
     cover.assign(n, ancf_cover {});
     std::map<std::pair<const Material*, Real>, int> kindOf;
+    covers.clear();
     vector<bool> owned(static_cast<size_t>(m->n_nodes), false);
     for (size_t e = 0; e < n; ++e) {
         ancf_cover& c = cover[e];
@@ -98,7 +100,9 @@ void CableContacts::makeCover(const CableEngine& cable) {
         c.radius = cable.radius[e];
         c.segments = cable.segments[e];
         c.points = cable.points[e] != 0;
-        c.kind = kindOf.insert({{body.material.get(), c.radius}, static_cast<int>(kindOf.size())}).first->second;
+        const auto [kind, fresh] = kindOf.insert({{body.material.get(), c.radius}, static_cast<int>(kindOf.size())});
+        c.kind = kind->second;
+        if (fresh) covers.emplace_back(body.material, c.radius);
         c.mask = static_cast<int>(body.groupMask) & ~CableElement::allHave;
         c.structure = cable.structure[e];
         c.own = cable.selfContact[e] != 0;
@@ -111,21 +115,31 @@ void CableContacts::makeCover(const CableEngine& cable) {
         }
     }
     kinds = static_cast<int>(kindOf.size());
-    laws.assign(static_cast<size_t>(kinds * kinds), ancf_laws {});
-    for (const auto& [a, i] : kindOf)
-        for (const auto& [b, j] : kindOf) {
-            const auto *first = dynamic_cast<const HollarsMat*>(a.first),
-                       *second = dynamic_cast<const HollarsMat*>(b.first);
-            if (!first || !second) cable.refuse("the material of a cable's body must be a HollarsMat");
-            HollarsPhys phys;
-            mixHollars(phys, *first, *second, 1 / (1 / a.second + 1 / b.second));
-            phys.normalKind = cable.normalKind;
-            phys.frictionKind = cable.frictionKind;
-            if (const string fault = lawFault(phys, first, second, 1); !fault.empty())
-                cable.refuse(text("the contact of its cables of materials '", first->label, "' and '", second->label,
-                                  "': ", fault));
-            laws[static_cast<size_t>(i * kinds + j)] = {phys.normalLaw(), phys.frictionLaw()};
-        }
+    mixLaws(cable);
+}
+
+void CableContacts::mixLaws(const CableEngine& cable) {
+    const size_t n = covers.size();
+    laws.assign(n * n, ancf_laws {});
+    for (const auto& [material, radius] : covers) {
+        if (!dynamic_cast<const HollarsMat*>(material.get()))
+            cable.refuse("the material of a cable's body must be a HollarsMat");
+        MaterialWatch::instance().add(material);
+    }
+    for (size_t i = 0; i < n * n; ++i) {
+        const auto& [first, r1] = covers[i / n];
+        const auto& [second, r2] = covers[i % n];
+        HollarsPhys phys;
+        mixHollars(phys, static_cast<const HollarsMat&>(*first), static_cast<const HollarsMat&>(*second),
+                   1 / (1 / r1 + 1 / r2));
+        phys.normalKind = cable.normalKind;
+        phys.frictionKind = cable.frictionKind;
+        if (const string fault = lawFault(phys, first.get(), second.get(), 1); !fault.empty())
+            cable.refuse(text("the contact of its cables of materials '", first->label, "' and '", second->label,
+                              "': ", fault));
+        laws[i] = {phys.normalLaw(), phys.frictionLaw()};
+    }
+    edition = MaterialWatch::instance().edition();
 }
 
 void CableContacts::build(CableEngine& cable) {
@@ -267,6 +281,7 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
     if (geom->edited || !geom->fits())
         refuse("geom was edited: its lists must be those of one CableGeom, of one length");
     auto* phys = static_cast<HollarsPhys*>(contact.phys.get());
+    followMaterials(*phys, *cable.scene, contact);
     phys->normalKind = cable.normalKind;
     phys->frictionKind = cable.frictionKind;
     if (const string fault = lawFault(*phys, nullptr, nullptr, std::numeric_limits<Real>::quiet_NaN()); !fault.empty())
@@ -382,6 +397,8 @@ bool CableContacts::begin(const CableEngine& cable, int steps) {
 }
 
 void CableContacts::gather(CableEngine& cable) {
+    MaterialWatch::instance().look();
+    if (edition != MaterialWatch::instance().edition()) mixLaws(cable);
     addCouplings(cable);
     find(cable, [&](const Interaction& contact, int element) {
         addContact(cable, contact, element);

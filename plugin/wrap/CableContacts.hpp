@@ -56,7 +56,9 @@ class CableContacts {
     vector<long> stamp;        // (bodies)
     long gathered = 0;         // how often the table was filled
     vector<int> knotOfCarrier; // place in the table, or -1
-    vector<ancf_laws> laws;    // of two kinds of cover
+    vector<std::pair<shared_ptr<Material>, Real>> covers; // by kind: material, radius
+    vector<ancf_laws> laws;                               // of two kinds of cover
+    long edition = 0;                                     // of MaterialWatch that they are mixed of
     int kinds = 0;
     vector<ancf_memory> memory;                     // friction between cables in the step before
     int firstCrossing = 0;                          // contact of the table at which those between cables begin
@@ -69,6 +71,7 @@ class CableContacts {
     Pair fullest;                                   // that stored most at the end of the last step
 
     void makeCover(const CableEngine& cable);
+    void mixLaws(const CableEngine& cable);
     void plan(const CableEngine& cable);
     void lookAround(const CableEngine& cable);
     void placeBodies(const CableEngine& cable) const;

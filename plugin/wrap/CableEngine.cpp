@@ -87,12 +87,13 @@ void CableEngine::forget() {
     touching = CableContacts();
     home.reset();
     for (vector<Real>* list : {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &radius,
-                               &arc, &closed, &crossValues, &openAccounts, &watched, &balance})
+                               &arc, &closed, &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
         vector<Real>().swap(*list);
     for (vector<int>* list :
          {&ends,      &next,       &kind,        &elementIds,    &segments,  &points,     &structure, &selfContact,
           &run,       &fixedNodes, &clampedEnds, &followNodes,   &followIds, &carryNodes, &carryIds,  &loadNodes,
-          &tiedNodes, &tiedTo,     &crossPairs,  &carrierOfBody, &standsFor, &driven})
+          &tiedNodes, &tiedTo,     &crossPairs,  &carrierOfBody, &standsFor, &driven,
+          &sections, &sectionMaterials, &sectionBends})
         vector<int>().swap(*list);
     for (vector<Vector3r>* list : {&followAt, &carryAt, &loads, &carryReaction, &carriedForce})
         vector<Vector3r>().swap(*list);
@@ -154,6 +155,23 @@ void CableEngine::checkNode(int node, const char* what) const {
         throw std::out_of_range(text("CableEngine.", what, ": node ", node, " does not exist, there are ", nNodes));
 }
 
+// Bodies of elements that were there, of which none is, tell of a scene that is gone.
+void CableEngine::checkHome() const {
+    const BodyContainer& bodies = *theScene().bodies;
+    Body::id_t one = -1;
+    for (const Body::id_t id : elementIds) {
+        if (id < 0) continue;
+        one = id;
+        if (!bodies.exists(id)) continue;
+        const auto* element = dynamic_cast<const CableElement*>(bodies[id]->shape.get());
+        if (element && element->family == family) return;
+    }
+    if (one >= 0)
+        refuse(text("body ", one,
+                    " of its elements is not in O.bodies, nor any other: it belongs to a scene that "
+                    "O.reset() or O.load() has taken away; make a new one"));
+}
+
 void CableEngine::checkUnclaimed(int node) const {
     const char* claim = has(fixedNodes, node)    ? "fixed"
                         : has(followNodes, node) ? "following a body"
@@ -184,6 +202,7 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
                            Real newRhoA, Real newDamping) {
     refuseWhileRunning("CableEngine.add");
     needSound();
+    checkHome();
     const Numbers<Real> nodes(newNodes, "CableEngine.add: nodes"), slopes(newSlopes, "CableEngine.add: slopes"),
         lengths(newLength, "CableEngine.add: length");
     const Numbers<int> endsOf(newEnds, "CableEngine.add: ends"), nextOf(newNext, "CableEngine.add: next");
@@ -356,6 +375,7 @@ void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
     if (place.norm() == 0 && !(state.blockedDOFs & State::DOF_XYZ)) {
         if (has(carryIds, id))
             throw std::invalid_argument(text("CableEngine.carry: body ", id, " is carried at its centre already"));
+        if (kept) freedomsBefore.emplace_back(id, state.blockedDOFs);
         state.blockedDOFs |= State::DOF_XYZ;
     }
     carryNodes.push_back(node);

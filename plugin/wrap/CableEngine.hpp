@@ -83,6 +83,9 @@ class CableEngine : public GlobalEngine {
     Real shortest = 0;       // length of an element [m]
     Real watchedStep = 0;    // O.dt that was looked at [s]
     long watchedBodies = -1; // so many bodies were looked at
+    struct Kept;
+    std::shared_ptr<Kept> kept;                             // between begin() and commit() or rollback()
+    vector<std::pair<Body::id_t, unsigned>> freedomsBefore; // of bodies carried since begin()
     int lostIx = -1, elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1,
         pressIx = -1;
 
@@ -119,6 +122,9 @@ class CableEngine : public GlobalEngine {
     void dropModel();
     void moveState(vector<Real>&& x, vector<Real>&& v);
     void makeReady();
+    auto parts();
+    void checkHome() const;
+    bool followMaterials();
     void makeModel();
     void makeImplicit();
     void mapBodies();
@@ -191,6 +197,10 @@ public:
     void cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const py::object& newRun,
                const py::object& newArc, const py::object& newClosed);
     vector<Body::id_t> addBodies(int first, const shared_ptr<Material>& material, int mask);
+    void madeOf(int first, int material, bool bends);
+    void begin();
+    void commit();
+    void rollback();
     void fix(int node);
     void clamp(int element, int end);
     void follow(int node, Body::id_t id);
@@ -259,6 +269,11 @@ public:
         ((string, normal, "nonlinear", Attr::triggerPostLoad, "Normal force of its contacts: 'nonlinear' (Hunt-Crossley), 'hertz' or 'linear' (spring-dashpot)."))
         ((string, friction, "hollars", Attr::triggerPostLoad, "'hollars', 'coulomb' (regularised below $v_{t0}$) or 'none'."))
         ((bool, sleep, true, , "Leaves alone what is far from everything; False changes no bit of any result, and costs time."))
+        ((vector<int>, sections, , Attr::readonly, "Elements that follow a material: first and end of each row."))
+        ((vector<int>, sectionMaterials, , Attr::readonly, "Their materials' ids in O.materials."))
+        ((vector<int>, sectionBends, , Attr::readonly, "1 where the bending stiffness follows as well."))
+        ((vector<Real>, sectionYoung, , Attr::readonly, "The materials' young that ea and ei go with [Pa]."))
+        ((vector<Real>, sectionDensity, , Attr::readonly, "The materials' density that rhoA goes with [kg/m³]."))
         ((vector<int>, fixedNodes, , Attr::readonly, "Nodes that are fixed."))
         ((vector<int>, clampedEnds, , Attr::readonly, "Slopes that are held, 2 element + end."))
         ((vector<int>, followNodes, , Attr::readonly, "Nodes that follow a body."))
@@ -304,6 +319,10 @@ public:
         .def("cover", &CableEngine::cover, (py::arg("first"), py::arg("radius"), py::arg("segments"), py::arg("points"), py::arg("selfContact"), py::arg("run"), py::arg("arc"), py::arg("closed")),
              "Tells of the elements from `first` on, a cable or net added last, what they show to the outside: run (int32, counted from 0), arc [m] and closed [m] are numpy arrays with a value each. ValueError on bad values.")
         .def("addBodies", &CableEngine::addBodies, (py::arg("first"), py::arg("material"), py::arg("mask")), "Puts a body into the scene for each element from `first` on. Returns their ids.")
+        .def("madeOf", &CableEngine::madeOf, (py::arg("first"), py::arg("material"), py::arg("bends")), "Lets the elements from `first` on, added last, follow the material of O.materials with an id: an edit of its young or density changes ea, rhoA and, where it bends, ei in the same ratio.")
+        .def("begin", &CableEngine::begin, "Remembers what the engine is made of.")
+        .def("commit", &CableEngine::commit, "Keeps what was made since begin().")
+        .def("rollback", &CableEngine::rollback, "Takes back what was made since begin().")
         .def("fix", &CableEngine::fix, (py::arg("node")), "Holds a node in place.")
         .def("clamp", &CableEngine::clamp, (py::arg("element"), py::arg("end")), "Holds the slope at an element's start (0) or end (1).")
         .def("follow", &CableEngine::follow, (py::arg("node"), py::arg("id")), "Keeps a node at its place in a body's frame.")

@@ -96,9 +96,9 @@ const Body& CableEngine::elementBody(int element) const {
     const Scene& s = theScene();
     const Body::id_t id = elementIds[element];
     if (!s.bodies->exists(id))
-        refuse(text(
-            "body ", id, " of element ", element,
-            " was erased: erase the whole cable with its engine, or make one that touches nothing (contactPoints=0)"));
+        refuse(text("body ", id, " of element ", element,
+                    " was erased, or belongs to a scene before O.reset(): erase the whole cable with its engine, or "
+                    "make one that touches nothing (contactPoints=0)"));
     return *(*s.bodies)[id];
 }
 
@@ -243,6 +243,7 @@ py::list CableEngine::overlaps(Real part) {
 void CableEngine::getReady() {
     const auto known = static_cast<Body::id_t>(carrierOfBody.size());
     uint64_t surroundings;
+    followMaterials();
     try {
         surroundings = SceneCheck(*scene).print();
         const bool around = surroundings != checkedSurroundings;

@@ -125,6 +125,7 @@ void CableEngine::checkBodyContacts(Real fastest) const {
 }
 
 Real CableEngine::criticalTimeStep() {
+    followMaterials();
     if (!model) build();
     int element;
     const Real strained = std::max(strainReserve, ancf_strain_max(model.get(), position.data(), &element));

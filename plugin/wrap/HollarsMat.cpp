@@ -46,6 +46,12 @@ void HollarsMat::postLoad(HollarsMat&) {
     if (kineticFriction > staticFriction) warnKineticAboveStatic(kineticFriction, staticFriction);
 }
 
+void HollarsMat::takeFrictionAngle() {
+    if (std::isnan(frictionAngle)) return;
+    staticFriction = kineticFriction = std::tan(frictionAngle);
+    frictionAngle = std::numeric_limits<Real>::quiet_NaN();
+}
+
 void HollarsMat::setChecked(Real& field, Real value) {
     const Real old = field;
     field = value;

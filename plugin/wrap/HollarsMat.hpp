@@ -21,12 +21,14 @@ public:
     void setYoung(Real value) { setChecked(young, value); }
     void setPoisson(Real value) { setChecked(poisson, value); }
     void setDensity(Real value) { setChecked(density, value); }
+    void takeFrictionAngle(); // that utils.setContactFriction has written
 
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(HollarsMat, ElastMat,
         "Material with Hunt-Crossley normal force $f_n=k\\delta^n(1+\\frac32\\alpha\\dot\\delta)$ and Hollars friction "
         "$f_t=f_n\\left[\\min(v_t/v_{t0},1)\\left(\\mu_k+\\frac{2(\\mu_s-\\mu_k)}{1+(v_t/v_{t0})^2}\\right)\\right]$ "
         "(Shan, Guo and Gill 2019, Eq. 10 and 11).",
+        ((Real, frictionAngle, std::numeric_limits<Real>::quiet_NaN(), Attr::hidden, "Where FrictMat has its own: utils.setContactFriction writes here [rad]."))
         ((Real, staticFriction, .3, Attr::triggerPostLoad, "Coefficient of static friction $\\mu_s$ [-]."))
         ((Real, kineticFriction, .2, Attr::triggerPostLoad, "Coefficient of kinetic friction $\\mu_k$ [-]."))
         ((Real, transitionVelocity, 1e-3, Attr::triggerPostLoad,

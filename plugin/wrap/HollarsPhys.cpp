@@ -5,6 +5,7 @@
 #include "CableElement.hpp"
 #include "Drive.hpp"
 #include "LateError.hpp"
+#include "MaterialWatch.hpp"
 #include "Mobility.hpp"
 #include "Sheave.hpp"
 #include "text.hpp"
@@ -146,21 +147,42 @@ namespace {
         return std::isnan(b) ? a : (a + b) / 2;
     }
 
-    void makePhys(const Scene* scene, const Material& first, const Material& second, Interaction& contact) {
+    void makePhys(const Scene* scene, const shared_ptr<Material>& first, const shared_ptr<Material>& second,
+                  Interaction& contact) {
         if (contact.phys) return;
         auto phys = shared_ptr<HollarsPhys>(new HollarsPhys);
+        for (const auto& material : {first, second}) MaterialWatch::instance().add(material);
         const Real radius = contactRadius(scene, contact);
-        mixHollars(*phys, static_cast<const ElastMat&>(first), static_cast<const ElastMat&>(second), radius);
-        if (const string fault = lawFault(*phys, &first, &second, radius); !fault.empty())
+        mixHollars(*phys, static_cast<const ElastMat&>(*first), static_cast<const ElastMat&>(*second), radius);
+        if (const string fault = lawFault(*phys, first.get(), second.get(), radius); !fault.empty())
             throwLater(*scene,
                        text("the contact of bodies ", contact.getId1(), " and ", contact.getId2(), ": ", fault));
+        phys->mixedOf = MaterialWatch::mark(*first, *second);
+        phys->edition = MaterialWatch::instance().edition();
         contact.phys = phys;
     }
 } // namespace
 
+void followMaterials(HollarsPhys& phys, const Scene& scene, const Interaction& contact) {
+    MaterialWatch& watch = MaterialWatch::instance();
+    if (phys.edition == watch.edition()) return;
+    const shared_ptr<Material>&first = (*scene.bodies)[contact.getId1()]->material,
+          &second = (*scene.bodies)[contact.getId2()]->material;
+    const auto *a = dynamic_cast<const ElastMat*>(first.get()), *b = dynamic_cast<const ElastMat*>(second.get());
+    if (!a || !b) return;
+    if (phys.edition == 0) // just loaded
+        for (const auto& material : {first, second}) watch.add(material);
+    phys.edition = watch.edition();
+    const long mark = MaterialWatch::mark(*a, *b);
+    if (mark == phys.mixedOf) return;
+    if (phys.mixedOf >= 0) mixHollars(phys, *a, *b, contactRadius(&scene, contact));
+    phys.mixedOf = mark;
+}
+
 void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second, Real radius) {
     setStiffness(phys, first, second, radius);
     const Rub a(first), b(second);
+    phys.transitionVelocity = HollarsPhys().transitionVelocity;
     const auto lesser = [](Real x, Real y) { return std::isinf(x) && std::isinf(y) ? 0 : std::min(x, y); };
     phys.staticFriction = lesser(a.staticFriction, b.staticFriction);
     phys.kineticFriction = lesser(a.kineticFriction, b.kineticFriction);
@@ -171,12 +193,12 @@ void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second
 
 void Ip2_HollarsMat_HollarsMat_HollarsPhys::go(const shared_ptr<Material>& first, const shared_ptr<Material>& second,
                                                const shared_ptr<Interaction>& contact) {
-    makePhys(scene, *first, *second, *contact);
+    makePhys(scene, first, second, *contact);
 }
 
 void Ip2_FrictMat_HollarsMat_HollarsPhys::go(const shared_ptr<Material>& first, const shared_ptr<Material>& second,
                                              const shared_ptr<Interaction>& contact) {
-    makePhys(scene, *first, *second, *contact);
+    makePhys(scene, first, second, *contact);
 }
 
 namespace {
@@ -220,6 +242,7 @@ void Law2_ScGeom_HollarsPhys_Hollars::beginStep() {
     touched.assign(now, 0);
     touchedIter = iter;
     for (EnergyOfStep* each : {&elastic, &damped, &rubbed}) each->beginStep();
+    MaterialWatch::instance().look();
     const NewtonIntegrator* newton = newtonOf(*scene);
     gravity = newton ? newton->gravity : Vector3r(Vector3r::Zero());
     bodies = now;
@@ -265,6 +288,7 @@ bool Law2_ScGeom_HollarsPhys_Hollars::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
     const Real depth = geom.penetrationDepth, dt = scene->dt;
     if (depth < 0) return false;
     beginStep();
+    followMaterials(phys, *scene, *contact);
     const Side one(*scene, contact->getId1()), two(*scene, contact->getId2());
     const Vector3r at = geom.contactPoint, normal = geom.normal;
     const Vector3r slip = velocityAt(*one.body.state, at) - velocityAt(*two.body.state, at);

@@ -27,6 +27,7 @@ public:
     YADE_CLASS_BASE_DOC_ATTRS_CTOR(HollarsPhys, NormShearPhys,
         "A contact between two bodies of which at least one is of :yref:`HollarsMat`. kn and ks are tangents [N/m]; "
         "normalForce and shearForce act on the second body [N].",
+        ((Real, tangensOfFrictionAngle, std::numeric_limits<Real>::quiet_NaN(), Attr::hidden, "Where FrictPhys has its own: utils.setContactFriction writes here what the materials say as well."))
         ((Real, normalStiffness, 0, , "Stiffness $k$ of $f=k\\delta^n$ [N/m^n] (Shan, Guo and Gill 2019, Eq. 8)."))
         ((Real, normalExponent, 1.5, , "Exponent $n$ [-]."))
         ((Real, impactDamping, 0, , "$\\alpha$ of $c=\\frac32\\alpha k$ [s/m] (Eq. 10)."))
@@ -36,11 +37,14 @@ public:
         ((Real, transitionVelocity, 1e-3, , "$v_{t0}$ [m/s]."))
         ((Real, dampingForce, 0, Attr::hidden, "Damping part of the normal force in the last step [N]."))
         ((int, normalKind, 2, Attr::hidden, "Which normal force the law computes."))
-        ((int, frictionKind, 2, Attr::hidden, "Which friction the law computes.")),
+        ((int, frictionKind, 2, Attr::hidden, "Which friction the law computes."))
+        ((long, mixedOf, -1, Attr::hidden, "Mark of the materials' values that it was mixed of.")),
         createIndex();
     )
     // clang-format on
     REGISTER_CLASS_INDEX(HollarsPhys, NormShearPhys)
+
+    long edition = 0; // of MaterialWatch, for which it is what its materials say; behind what others write to
 };
 REGISTER_SERIALIZABLE(HollarsPhys);
 
@@ -60,6 +64,8 @@ void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second
 // Why a contact cannot be computed, with the values that are at fault; empty where it can. radius: of the contact [m],
 // NaN where it is not known.
 string lawFault(const HollarsPhys& phys, const Material* first, const Material* second, Real radius);
+// Mixed anew if one of the materials was edited since.
+void followMaterials(HollarsPhys& phys, const Scene& scene, const Interaction& contact);
 
 class Ip2_HollarsMat_HollarsMat_HollarsPhys : public IPhysFunctor {
 public:

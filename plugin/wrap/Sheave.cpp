@@ -42,8 +42,6 @@ namespace {
     }
 
     ancf_groove veeGroove(const Sheave& s) {
-        if (!(s.grooveAngle > 0 && s.grooveAngle < M_PI))
-            refuse("grooveAngle", s.grooveAngle, "must be between 0 and pi");
         const Real fillet = s.grooveRadius > 0 ? s.grooveRadius : s.width / 6, slope = (M_PI - s.grooveAngle) / 2;
         const Real wall = s.width / 2 - fillet * std::sin(slope);
         if (wall < 0) refuse("grooveRadius", fillet, "is too large for the width of this vee");
@@ -75,11 +73,13 @@ void Sheave::postLoad(Sheave&) {
     const auto need = [](bool good, const char* name, Real value, const char* rule) {
         if (!good) refuse(name, value, rule);
     };
-    need(std::isfinite(radius) && radius > 0, "radius", radius, "must be finite and above zero [m]");
-    need(std::isfinite(width) && width > 0, "width", width, "must be finite and above zero [m]");
+    constexpr Real most = 1e9;
+    need(radius > 0 && radius <= most, "radius", radius, "must be above zero and at most 1e9 [m]");
+    need(width > 0 && width <= most, "width", width, "must be above zero and at most 1e9 [m]");
+    need(grooveAngle > 0 && grooveAngle < M_PI, "grooveAngle", grooveAngle, "must be between 0 and pi");
     for (const auto& [name, value] : {std::pair("grooveRadius", grooveRadius), std::pair("flangeHeight", flangeHeight),
                                       std::pair("flangeThickness", flangeThickness)})
-        need(std::isfinite(value) && value >= 0, name, value, "must be finite and not below zero [m]");
+        need(value >= 0 && value <= most, name, value, "must be from zero to 1e9 [m]");
     ancf_groove made;
     if (profile == "round") made = roundGroove(*this);
     else if (profile == "flat") made = flatGroove(*this);
@@ -100,6 +100,8 @@ Vector3r Sheave::axisOf(const Quaternionr& ori) {
 }
 
 py::tuple Sheave::touch(const Vector3r& place, Real ballRadius) const {
+    if (!std::isfinite(place.sum()) || !(ballRadius >= 0 && std::isfinite(ballRadius)))
+        throw std::invalid_argument("Sheave.touch: place and radius must be finite, the radius not below 0 [m]");
     const Vector3r axis = Vector3r::UnitZ();
     ancf_groove_contact found;
     ancf_groove_touch(&found, &form, axis.data(), place.data(), ballRadius);

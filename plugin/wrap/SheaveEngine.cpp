@@ -166,8 +166,10 @@ void SheaveEngine::check() {
     needSound();
     for (size_t i = 0; i < ids.size(); ++i) {
         if (!scene->bodies->exists(ids[i])) refuse(i, "was erased");
-        const State& state = *(*scene->bodies)[ids[i]]->state;
-        if ((state.blockedDOFs & State::DOF_RXRYRZ) != State::DOF_RXRYRZ)
+        const Body& body = *(*scene->bodies)[ids[i]];
+        const State& state = *body.state;
+        // On a guide it is, from the first step on.
+        if ((state.blockedDOFs & State::DOF_RXRYRZ) != State::DOF_RXRYRZ && !placedByDrive(*scene, body))
             refuse(i, "must be blocked in 'XYZ', or NewtonIntegrator turns it a second time");
         ancf_rotor r = rotor(state, i);
         if (prescribed(i)) r.inertia = 1;

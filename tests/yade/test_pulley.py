@@ -7,6 +7,8 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import ancf
 from ancf import pulleys
@@ -51,9 +53,12 @@ def onSheave(
     profile=None,
     span=3,
     damping=2e-5,
+    sign=1,
     **more,
 ):
-    """A cable that wraps a sheave by theta [deg], knot 0 pulled by `load`; (cable, sheave, span)."""
+    """A cable that wraps a sheave by theta [deg], knot 0 pulled by `load`; (cable, sheave, path, its
+    direction at the other end). sign: of the way round.
+    """
     O.reset()
     friction = dict(staticFriction=mu, kineticFriction=mu)
     values = dict(normalStiffness=1e6, dashpot=20.0)
@@ -65,11 +70,11 @@ def onSheave(
     e1[(k + 1) % 3] = 1
     e1 -= e1 @ a * a
     e1 /= np.linalg.norm(e1)
-    e2 = np.cross(a, e1)
+    e2 = sign * np.cross(a, e1)
     angle, length = math.radians(theta), span * R * math.radians(elementAngle)
     u = -math.sin(angle) * e1 + math.cos(angle) * e2
     end = R * (math.cos(angle) * e1 + math.sin(angle) * e2) + length * u
-    stop = (sheave, 1, int(theta // 360))
+    stop = (sheave, sign, int(theta // 360))
     path = pulleys.Path([stop], diameter=D, start=R * e1 - length * e2, end=end)
     assert path.angles[0] == pytest.approx(angle, rel=1e-9)
     pull = profile or (lambda phi: load * math.exp(0.8 * mu * phi))
@@ -96,11 +101,11 @@ def turned(cable, sheave, speed):
     return engine
 
 
-def capstan(theta, mu, time, slip=0.1, **more):
+def capstan(theta, mu, time, slip=0.1, sign=1, **more):
     """T2/T1 on a drum that turns under a held cable; the cable, the sheave."""
-    cable, sheave, _, _ = onSheave(theta, mu, **more)
+    cable, sheave, _, _ = onSheave(theta, mu, sign=sign, **more)
     cable.fix(-1)
-    turned(cable, sheave, -slip / R)
+    turned(cable, sheave, -sign * slip / R)
     rows = record(20, lambda: cable.reaction(-1).norm())
     run(time)
     return np.mean(rows[len(rows) // 2 :]), cable, sheave
@@ -119,7 +124,8 @@ CAPSTANS = [
 @pytest.mark.parametrize("theta, mu, time", CAPSTANS)
 def test_capstan(scene, theta, mu, time):
     ratio, _, _ = capstan(theta, mu, time)
-    assert ratio == pytest.approx(math.exp(mu * math.radians(theta)), rel=0.01)
+    off = 8e-3 if theta == 540 else 1e-3  # there the tight side still rings
+    assert ratio == pytest.approx(math.exp(mu * math.radians(theta)), rel=off)
 
 
 def test_what_rests_is_not_dragged(scene):
@@ -153,12 +159,12 @@ def test_normal_force_follows_tension(scene):
 
 
 def test_static_above_kinetic_friction(scene):
-    """Eq. 11 at the slip speed."""
+    """Eq. 11 at the slip speed; by the kinetic coefficient alone it would be 0.6 % less."""
     mu = 0.2 + 2 * 0.1 / (1 + 100)
     ratio, _, _ = capstan(
         180, mu, 0.05, slip=0.1, staticFriction=0.3, kineticFriction=0.2, transitionVelocity=0.01
     )
-    assert ratio == pytest.approx(math.exp(mu * math.pi), rel=0.01)
+    assert ratio == pytest.approx(math.exp(mu * math.pi), rel=5e-4)
 
 
 def test_moving_cable(scene):
@@ -188,7 +194,7 @@ def test_moving_cable(scene):
     rows = record(20, lambda: cable.reaction(-1).norm())
     run(0.05)
     ratio = (np.mean(rows[len(rows) // 3 :]) - hoop) / (load - hoop)
-    assert ratio == pytest.approx(math.exp(mu * math.pi / 2), rel=0.01)
+    assert ratio == pytest.approx(math.exp(mu * math.pi / 2), rel=4e-3)
 
 
 def test_stiction_creeps_as_hollars_does(scene):
@@ -269,7 +275,7 @@ def test_atwood(scene):
     t, *speeds, momentum, torque = np.array(rows).T
     window = np.sqrt(np.hanning(len(t)))  # the weights swing a little on their spans
     found = [np.polyfit(t, v, 1, w=window)[0] for v in speeds]
-    assert found == pytest.approx([a] * 3, rel=5e-3)
+    assert found == pytest.approx([a] * 3, rel=4e-3)
     rate = np.diff(momentum) / np.diff(t)
     assert rate == pytest.approx((torque[1:] + torque[:-1]) / 2, rel=1e-3)
 
@@ -337,7 +343,7 @@ def test_belt_slips_by_eytelwein(scene):
     run(0.2)
     upper, lower, torque = np.mean(rows[len(rows) // 2 :], axis=0)
     tight = max(upper, lower) - 0.02 * 2.0**2
-    assert abs(torque) / R == pytest.approx(tight * (1 - math.exp(-0.3 * math.pi)), rel=0.02)
+    assert abs(torque) / R == pytest.approx(tight * (1 - math.exp(-0.3 * math.pi)), rel=5e-3)
 
 
 def test_belt_creep(scene):
@@ -366,44 +372,22 @@ def liftOff(ei, tension, radius, length):
     """
 
     def shoot(psi):
-        h, state, points = length / 2000, np.array([psi, -1 / radius]), [np.zeros(2)]
+        return solve_ivp(
+            lambda _, y: [y[1], tension / ei * math.sin(y[0]), math.cos(y[0]), math.sin(y[0])],
+            (0, length),
+            [psi, -1 / radius, 0, 0],
+            t_eval=np.linspace(0, length, 2001),
+            events=bentOver,
+            rtol=1e-9,
+        ).y
 
-        def rate(y):
-            return np.array([y[1], tension / ei * math.sin(y[0])])
+    def bentOver(_, y):
+        return abs(y[0]) - 3
 
-        for _ in range(2000):
-            k1 = rate(state)
-            k2 = rate(state + h / 2 * k1)
-            k3 = rate(state + h / 2 * k2)
-            k4 = rate(state + h * k3)
-            new = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-            middle = (state[0] + new[0]) / 2
-            points.append(points[-1] + h * np.array([math.cos(middle), math.sin(middle)]))
-            state = new
-            if abs(state[0]) > 3:
-                break
-        return state[1], np.array(points)
-
-    low, high = 0.0, 1.5  # too small an angle: it bends over; too large: back
-    for _ in range(50):
-        psi = (low + high) / 2
-        if shoot(psi)[0] < 0:
-            low = psi
-        else:
-            high = psi
-    return psi, shoot(psi)[1]
-
-
-def settle(cable, time):
-    """To rest, by taking the speed out whenever kinetic energy has begun to fall."""
-    last = 0.0
-    for _ in range(round(time / 1e-3)):
-        run(1e-3)
-        kinetic = cable.energy()["kinetic"]
-        if kinetic < last:
-            cable.engine.velocity = [0.0] * len(cable.engine.velocity)
-            kinetic = 0.0
-        last = kinetic
+    bentOver.terminal = True
+    # Too small an angle: it bends over; too large: back.
+    psi = brentq(lambda psi: shoot(psi)[1, -1], 0.0, 1.5)
+    return psi, shoot(psi)[2:].T
 
 
 @pytest.mark.parametrize("stiffness", [0.05, 0.3])
@@ -431,7 +415,7 @@ def test_bending_stiff_cable(scene, stiffness):
     cable.load(-1, (0, 0, -tension))
     O.engines = pulleys.engines(cable, contact=LINEAR, substeps=1)
     O.dt = 0.8 * cable.criticalTimeStep()
-    settle(cable, 0.15)
+    pulleys.settle(cable, 0.15)
     psi, shape = liftOff(ei, tension, radius, length)
     angle = math.pi / 2 - psi  # from the top, where it leaves
     x0, z0 = radius * math.sin(angle), radius * math.cos(angle)
@@ -563,10 +547,14 @@ def test_guided_body_on_a_cable(scene):
     O.engines = pulleys.engines(cable, guide, substeps=1)
     guide.push = [0.0, 3.0]
     O.dt = 0.8 * cable.criticalTimeStep()
+    rows = record(20, lambda: (O.time, cable.reaction(0)[0]))
     run(0.2)
     mean = (guide.position(ids[0]) + guide.position(ids[1])) / 2
     assert mean == pytest.approx(1.5 * 0.2**2 / 2 / (1 + 0.00025), rel=1e-3)
-    assert abs(cable.reaction(0)[0]) == pytest.approx(1.5, rel=1.1)
+    times, forces = np.array(rows).T
+    # Two masses of 1 kg at the ends of a spring EA/L, which the mean pull stiffens by 3 T/EA.
+    swing = math.sqrt(2 * 1e4 / 0.5 * (1 + 3 * 1.5e-4))
+    assert -forces == pytest.approx(1.5 * (1 - np.cos(swing * times)), abs=5e-3)
 
 
 def test_linear_drive_leads_a_knot(scene):
@@ -584,22 +572,33 @@ def test_linear_drive_leads_a_knot(scene):
     assert O.bodies[body].state.pos[2] == pytest.approx(ramp(O.time), abs=1e-12)
 
 
-def test_debris_rolls_over_a_sheave(scene):
-    """A ball rests in the groove of a fixed sheave."""
-    cableMaterial("steel", 1e6, 1.0, D, normalStiffness=1e5, dashpot=20.0)
+def test_debris_rolls_in_the_groove_of_a_sheave(scene):
+    """A ball swings across the groove of a fixed sheave, rolling: T = 2 pi sqrt(7/5 (R - r)/g)."""
+    cableMaterial("steel", 1e6, 1.0, D, normalStiffness=1e7, dashpot=200.0)
     sheave = pulleys.sheave((0, 0, 0), 0.05, axis=(1, 0, 0), width=0.03, material="steel")
-    ball = utils.sphere((0.003, 0, 0.0605), 0.01, material="steel")
-    ball = O.bodies.append(ball)
+    groove, aside = 0.015 - 0.01, 0.001
+    middle = np.array([0, 0, 0.05 + 0.015])  # of the groove's circle
+    place = middle + [aside, 0, -math.sqrt(groove**2 - aside**2)]
+    ball = O.bodies.append(utils.sphere(Vector3(*place), 0.01, material="steel"))
     cable = ancf.Cable([(1, 0, 0), (1.5, 0, 0)], 2, diameter=D, material="steel")
     cable.fix(0)
     engine = ancf.SheaveEngine()
     engine.add(sheave, speed=0)
     O.engines = pulleys.engines(cable, engine, gravity=(0, 0, -G), contact=LINEAR)
     O.dt = 1e-5
-    run(0.4)
-    pos, weight = O.bodies[ball].state.pos, O.bodies[ball].state.mass * G
-    assert abs(pos[0]) < 0.004 and pos[2] == pytest.approx(0.06, abs=1e-3)
-    assert engine.load[0][2] == pytest.approx(-weight, rel=0.05)
+    state = O.bodies[ball].state
+    rows = record(10, lambda: (O.time, *state.pos, engine.load[0][2]))
+    period = 2 * math.pi * math.sqrt(1.4 * groove / G) * (1 + (aside / groove) ** 2 / 16)
+    run(2 * period)
+    time, x, y, z, force = np.array(rows).T
+    away = np.hypot(x, z - middle[2])
+    weight = state.mass * G
+    assert away == pytest.approx(groove, abs=3 * weight / 1e7)  # as deep as it lies in, and bounces
+    assert np.abs(y).max() < 1e-12
+    zeros = time[:-1][np.diff(np.sign(x)) != 0]
+    assert np.diff(zeros) == pytest.approx(period / 2, rel=0.01)
+    assert 0.9 * aside < -x[time < 0.6 * period].min() <= aside
+    assert np.mean(force) == pytest.approx(-weight, rel=5e-3)
 
 
 def test_saved_and_loaded(scene, tmp_path):

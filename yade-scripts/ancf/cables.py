@@ -78,6 +78,7 @@ class Cable(Structure):
             label, material, diameter, area, bending, model, mass, axialRule, curvature, damping
         )
         parts = divisions(label, model, elements, midPoints)
+        closed = values.flag(f"{label}.closed", closed)
         p = _checkedPoints(label, points, closed)
         layout = _laySprings(p, parts, closed) if model == "springs" else _lay(p, parts, closed)
         super().__init__(label, sec, layout, contact, contactPoints, selfContact, mask)

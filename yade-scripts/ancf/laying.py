@@ -63,13 +63,13 @@ def _mirrored(t, u):
 
 def curveLength(r0, g0, r1, g1):
     """Arc lengths L (...) of the cubics whose own L is the length of their parameter: a fixed
-    point. Straight: the chord. r0, g0, r1, g1: (..., 3).
+    point. Straight: the chord. r0, g0, r1, g1: (..., 3). As exact as the positions' last digits.
     """
     chord = np.linalg.norm(r1 - r0, axis=-1)
     length = chord.copy()
-    bent = ~(
-        np.isclose(g0, g1) & (np.abs(g0 * chord[..., None] - (r1 - r0)) <= 1e-12 * chord[..., None])
-    ).all(axis=-1)
+    digits = 4 * np.finfo(float).eps * np.maximum(np.abs(r0), np.abs(r1)).max(axis=-1)
+    aside = np.abs(g0 * chord[..., None] - (r1 - r0)).max(axis=-1)
+    bent = ~(np.isclose(g0, g1).all(axis=-1) & (aside <= 1e-12 * chord + digits))
     weights = slopeWeights(GAUSS_X)
     for _ in range(200):
         if not bent.any():
@@ -77,7 +77,7 @@ def curveLength(r0, g0, r1, g1):
         middle = (r1[bent] - r0[bent]) / length[bent, None]
         slope = weights @ np.stack([g0[bent], middle, g1[bent]], axis=-2)
         new = length[bent] * (np.linalg.norm(slope, axis=-1) @ GAUSS_W)
-        unsettled = np.abs(new - length[bent]) >= 1e-14 * chord[bent]
+        unsettled = np.abs(new - length[bent]) >= 1e-14 * chord[bent] + digits[bent]
         length[bent] = new
         bent[bent] = unsettled
     return length

@@ -6,7 +6,9 @@ from yade import O, Vector3, utils
 from . import values
 from .cables import divisions
 from .laying import unit
-from .structure import Run, Structure, _inContainer, layStraight, section
+from .structure import Run, Structure, _inContainer, anyMaterial, layStraight, section
+
+BULLET = "carrying a bullet"
 
 
 class Net(Structure):
@@ -52,7 +54,7 @@ class Net(Structure):
         pairs = _checkedEdges(label, edges, p)
         layout = _lay(p, pairs, parts, model)
         super().__init__(label, sec, layout, contact, contactPoints, selfContact, mask)
-        self.rim = [self.knot(k) for k in rim]
+        self.rim = [self.knot(k) for k in values.sequence(f"{label}.rim", rim, "knot numbers")]
         self.corners = []  # knots that addBullets shoots
         self.folded = False  # whether it was laid folded
         self.bullets = []  # ids of the bullets in O.bodies
@@ -103,6 +105,8 @@ class Net(Structure):
         ]
         edges = [(n * i + j, n * i + j + 1) for i in range(n) for j in range(n - 1)]
         edges += [(n * i + j, n * i + j + n) for i in range(n - 1) for j in range(n)]
+        if "rim" in cable:
+            values.refuse(f"{label}.rim", cable["rim"], "a square has its own: leave it out")
         net = cls(points, edges, elements, rim=_squareRim(n), **cable)
         net.corners = [0, n - 1, n * n - 1, n * (n - 1)]
         net.folded = fold is not None
@@ -135,11 +139,12 @@ class Net(Structure):
         For a rim that is not plane this is the largest of its projected areas. axis: the area seen
         along that direction.
         """
-        if len(self.rim) < 3:
+        rim = [self.knot(k) for k in values.sequence(f"{self.name}.rim", self.rim, "knot numbers")]
+        if len(rim) < 3:
             raise ValueError(
                 f"{self.name}.rim = {self.rim}: name the knots around the mouth, in order"
             )
-        p = self.knots[self.rim]
+        p = self.knots[rim]
         area = 0.5 * np.cross(p, np.roll(p, -1, axis=0)).sum(axis=0)
         if axis is None:
             return float(np.linalg.norm(area))
@@ -154,17 +159,26 @@ class Net(Structure):
         Elements that meet at the corner, and those that reach into a ball at the start, never touch it.
         """
         name = f"{self.name}.addBullets"
+        self.corners = [
+            self.knot(k) for k in values.sequence(f"{self.name}.corners", self.corners, "knots")
+        ]
         if not self.corners:
             raise ValueError(f"{name}: this net has no corners; set `corners` or use Net.square")
         if self._bulletsLater or self.bullets:
             raise ValueError(f"{name}: the net has bullets already")
-        self._bulletsLater = (
+        if material is not None:
+            material = anyMaterial(f"{name}: material", material)
+        bullets = (
             values.positive(f"{name}: mass", mass, "kg"),
             values.positive(f"{name}: radius", radius, "m"),
             values.finite(f"{name}: speed", speed, "m/s"),
             values.finite(f"{name}: angle", angle, "rad"),
             material,
         )
+        for knot in self.corners:
+            self._mayClaim(knot, BULLET)
+        self._claims.update(dict.fromkeys(self.corners, BULLET))
+        self._bulletsLater = bullets
         if self.appended:
             self._appendBodies()
 
@@ -172,7 +186,7 @@ class Net(Structure):
         if not self._bulletsLater:
             return
         mass, radius, speed, angle, material = self._bulletsLater
-        mat = _inContainer(self.section.material) if material is None else material
+        mat = _inContainer(self.section.material if material is None else material)
         knots = self.knots[self.corners]
         center = knots.mean(axis=0)
         for knot, p in zip(self.corners, knots):
@@ -185,6 +199,7 @@ class Net(Structure):
             ball.state.blockedDOFs = "xyz"
             number = O.bodies.append(ball)
             self.bullets.append(number)
+            del self._claims[knot]
             self.carry(knot, number)
         self._bulletsLater = None
 
@@ -199,13 +214,15 @@ class Net(Structure):
 
 def _checkedEdges(name, edges, p):
     pairs, seen = [], set()
-    for i, pair in enumerate(edges):
+    for i, pair in enumerate(values.sequence(f"{name}.edges", edges, "pairs of knot numbers")):
         where = f"{name}.edges[{i}]"
-        if len(pair) != 2 or not all(0 <= k < len(p) for k in pair):
-            values.refuse(
-                where, pair, f"must be two knot numbers from 0 to {len(p) - 1}", IndexError
-            )
-        a, b = int(pair[0]), int(pair[1])
+        remedy = f"must be two knot numbers from 0 to {len(p) - 1}"
+        ends = values.sequence(where, pair, "two knot numbers")
+        if len(ends) != 2:
+            values.refuse(where, pair, remedy, IndexError)
+        a, b = (values.count(where, k, 0) for k in ends)
+        if max(a, b) >= len(p):
+            values.refuse(where, pair, remedy, IndexError)
         if a == b or frozenset((a, b)) in seen:
             values.refuse(where, pair, "joins a knot to itself or is there twice: take it out")
         seen.add(frozenset((a, b)))

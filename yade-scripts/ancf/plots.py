@@ -2,7 +2,6 @@
 screen.
 """
 
-import csv
 import shutil
 
 import matplotlib
@@ -303,16 +302,13 @@ class History:
             head += [f"{q}{k + 1}_{u}" for q, u in zip(("x", "y", "z"), "mmm")]
             head += [f"v{q}{k + 1}_m_s" for q in "xyz"]
             head += [f"displacement{k + 1}_m", f"speed{k + 1}_m_s"]
+        position, velocity = np.array(self.position), np.array(self.velocity)
         displacement, speed = self.displacement, self.speed
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            out = csv.writer(file)
-            out.writerow(head)
-            for i, time in enumerate(self.time):
-                row = [time, self.area[i]]
-                for k in range(len(self.bodies)):
-                    row += [*self.position[i][k], *self.velocity[i][k]]
-                    row += [displacement[i, k], speed[i, k]]
-                out.writerow([f"{x:.9g}" for x in row])
+        columns = [self.time, self.area]
+        for k in range(len(self.bodies)):
+            columns += [*position[:, k].T, *velocity[:, k].T, displacement[:, k], speed[:, k]]
+        rows = np.column_stack(columns)
+        np.savetxt(path, rows, fmt="%.9g", delimiter=",", header=",".join(head), comments="")
 
     def plot(self, path, events=None):
         """Displacement, velocity and mouth area over time, like Figs. 16-17 of Shan, Guo, Gill

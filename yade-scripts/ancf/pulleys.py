@@ -14,9 +14,10 @@ from yade import O, Quaternion, Vector3, wrapper
 from . import scene, values
 from .cables import Cable
 from .laying import curveLength
-from .structure import SPRING, Structure
+from .structure import MASK, SPRING, Structure, anyMaterial, findBody
 
 DEEPEST_START = 0.5  # of a cable in a sheave, in radii of the cable; more is refused
+MOST_PULL = 10.0  # that lay() stretches a cable by, in EA
 COARSE = 0.1  # distance from the arc of a sheave that is warned of, in radii of the cable
 
 
@@ -57,7 +58,15 @@ def sheave(
         profile=profile,
         **groove,
     )
-    mat = material if isinstance(material, wrapper.Material) else O.materials[material]
+    mat = anyMaterial("sheave: material", material)
+    if not isinstance(mat, (wrapper.HollarsMat, wrapper.FrictMat)):
+        remedy = f"is a {type(mat).__name__}, but sheaves need a HollarsMat or a FrictMat"
+        values.refuse("sheave: material", material, remedy, TypeError)
+    center = values.vector("sheave: center", center)
+    turn = Quaternion()
+    turn.setFromTwoVectors(Vector3(0, 0, 1), Vector3(*values.direction("sheave: axis", axis)))
+    fixed, mask = values.flag("sheave: fixed", fixed), values.count("sheave: mask", mask, 1, MASK)
+    color = values.vector("sheave: color", color)
     if mass is None:
         mass = mat.density * math.pi * shape.rimRadius**2 * shape.overallWidth
     mass = values.positive("sheave: mass", mass, "kg")
@@ -67,8 +76,8 @@ def sheave(
     body = wrapper.Body()
     body.shape, body.material, body.mask = shape, mat, mask
     shape.color = Vector3(*color)
-    body.state.pos = body.state.refPos = Vector3(*values.vector("sheave: center", center))
-    body.state.ori = body.state.refOri = _turnTo(values.direction("sheave: axis", axis))
+    body.state.pos = body.state.refPos = Vector3(*center)
+    body.state.ori = body.state.refOri = turn
     body.state.mass = mass
     # It turns about its axis only, whatever direction that is: the same value on all axes.
     body.state.inertia = inertia * Vector3(1, 1, 1)
@@ -77,21 +86,19 @@ def sheave(
     return O.bodies.append(body)
 
 
-def _turnTo(axis):
-    """Rotation that takes z to the axis."""
-    z = Vector3(0, 0, 1)
-    to = Vector3(*axis)
-    if to.dot(z) < -1 + 1e-12:
-        return Quaternion(Vector3(1, 0, 0), math.pi)
-    turn = z.cross(to)
-    if turn.norm() == 0:
-        return Quaternion((1, 0, 0), 0)
-    return Quaternion(turn / turn.norm(), math.atan2(turn.norm(), to.dot(z)))
+def _sheaveBody(where, sheaveId):
+    """The body of a sheave; IndexError if there is none, ValueError if it is something else."""
+    body = findBody(where, sheaveId, "sheave id")
+    if not isinstance(body.shape, wrapper.Sheave):
+        values.refuse(
+            f"{where}: sheave id", sheaveId, f"is a {type(body.shape).__name__}, no Sheave"
+        )
+    return body
 
 
 def axisOf(sheaveId):
     """Unit vector of a sheave's axis, (3,); exact where it is along an axis of the scene."""
-    a = np.array(O.bodies[sheaveId].state.ori * Vector3(0, 0, 1))
+    a = np.array(_sheaveBody("axisOf", sheaveId).state.ori * Vector3(0, 0, 1))
     a[abs(a) < 1e-9] = 0
     return a / np.linalg.norm(a)
 
@@ -144,8 +151,10 @@ class SpeedUp:
 
 
 class BackAndForth:
-    """Motion x(t) [m]: 0 to `distance` and back, x = distance (1 - cos(2 pi t/period))/2, after a
-    first quarter that starts without a jump of acceleration.
+    """Motion x(t) [m]: 0 to `distance` and back in every period, x = distance (1 - cos(phase))/2.
+
+    The phase is 2 pi t/period but in the first quarter, where it starts from rest, so that the
+    acceleration does so, too. `speed(t)` [m/s].
     """
 
     def __init__(self, distance, period):
@@ -153,10 +162,13 @@ class BackAndForth:
         self.period = values.positive("BackAndForth: period", period, "s")
 
     def _phase(self, t):
-        """Phase [rad] that comes up to speed within a quarter of a period, and its rate."""
-        rise, x = self.period / 4, 4 * t / self.period
-        w = 2 * math.pi / self.period
-        return w * rise * (_smooth(x)[2] + max(0.0, x - 1)), w * _smooth(x)[0]
+        """Phase [rad] and its rate: in the first quarter the quartic that leaves rest and comes into
+        the even run with two continuous derivatives.
+        """
+        x, w = max(0.0, 4 * t / self.period), 2 * math.pi / self.period
+        if x >= 1:
+            return w * t, w
+        return math.pi / 2 * x**2 * (3 - 3 * x + x**2), w * x * (6 - 9 * x + 4 * x**2)
 
     def __call__(self, t):
         return self.distance * (1 - math.cos(self._phase(t)[0])) / 2
@@ -206,6 +218,12 @@ class Path:
     """
 
     def __init__(self, stops, *, diameter, start=None, end=None, gap=0.0):
+        stops = [
+            values.sequence(f"Path: stops[{i}]", stop, "a sheave id, a direction and further turns")
+            for i, stop in enumerate(
+                values.sequence("Path: stops", stops, "(sheave id, direction)")
+            )
+        ]
         if not stops:
             raise ValueError("Path: stops is empty: give at least one (sheave id, direction)")
         self.closed = start is None and end is None
@@ -213,10 +231,17 @@ class Path:
             raise ValueError(
                 "Path: start and end must both be given, or neither for a belt, whose ends meet"
             )
+        if not self.closed:
+            start, end = values.vector("Path: start", start), values.vector("Path: end", end)
+            if (start == end).all():
+                raise ValueError("Path: start and end are one point: leave both out for a belt")
+        for i, stop in enumerate(stops):
+            if not 2 <= len(stop) <= 3:
+                remedy = "must be (sheave id, direction) or (sheave id, direction, further turns)"
+                values.refuse(f"Path: stops[{i}]", tuple(stop), remedy)
         self._frame(stops[0][0])
-        if not self.closed and np.linalg.norm(np.subtract(start, end)) == 0:
-            raise ValueError("Path: start and end are one point: leave both out for a belt")
-        r = 0.5 * values.positive("Path: diameter", diameter, "m") + gap
+        r = 0.5 * values.positive("Path: diameter", diameter, "m")
+        r += values.finite("Path: gap", gap, "m")
         rounds = [self._circle(stop, r) for stop in stops]
         ends = [] if self.closed else [(self._flat(p), 0.0, 1, 0) for p in (start, end)]
         circles = rounds + rounds[:1] if self.closed else [ends[0], *rounds, ends[1]]
@@ -226,11 +251,15 @@ class Path:
         if not self.closed:
             self.pieces.append(lines[0])
         for i in between:
-            into, out = (lines[i - 1], lines[i]) if not self.closed else (lines[i - 1], lines[i])
+            into, out = lines[i - 1], lines[i]
             arc = self._arc(circles[i], into.way, out.way)
             self.angles.append(arc.length / arc.radius)
             self.pieces += [arc, out]
         self.length = sum(p.length for p in self.pieces)
+        if not math.isfinite(self.length):
+            raise ValueError(
+                f"Path: its length is {self.length}: start, end or sheaves are too far"
+            )
 
     def _frame(self, sheaveId):
         axis = axisOf(sheaveId)
@@ -247,10 +276,12 @@ class Path:
         return np.array([d @ self.e1, d @ self.e2])
 
     def _circle(self, stop, r):
-        sheaveId, sign, *turns = stop
-        body = O.bodies[sheaveId]
-        if not isinstance(body.shape, wrapper.Sheave):
-            raise ValueError(f"Path: body {sheaveId} is a {type(body.shape).__name__}, no Sheave")
+        sheaveId, sign, turns = *stop, *[0] * (3 - len(stop))
+        body = _sheaveBody("Path", sheaveId)
+        turns = values.count(f"Path: further turns at sheave {sheaveId}", turns, 0)
+        if body.shape.radius + r <= 0:
+            remedy = f"puts the cable inside the axle of sheave {sheaveId}, whose radius is {body.shape.radius:g} m"
+            values.refuse("Path: gap", r, remedy)
         if sign not in (1, -1):
             values.refuse(f"Path: direction at sheave {sheaveId}", sign, "must be 1 or -1")
         along = float(axisOf(sheaveId) @ self.axis)
@@ -260,7 +291,7 @@ class Path:
                 "points of your own"
             )
         turned = sign * (1 if along > 0 else -1)
-        return self._flat(body.state.pos), body.shape.radius + r, turned, sum(turns)
+        return self._flat(body.state.pos), body.shape.radius + r, turned, turns
 
     def _line(self, a, b):
         (c1, r1, d1, _), (c2, r2, d2, _) = a, b
@@ -326,28 +357,36 @@ def lay(path, elements, *, tension=0.0, **cable):
 
     cable: arguments of Cable (diameter, material, contactPoints, damping, ...).
     """
+    if not isinstance(path, Path):
+        values.refuse("lay: path", path, "must be a Path", TypeError)
     elements = values.count("lay: elements", elements, 3)
     count = elements if path.closed else elements + 1
     places = np.arange(count) * path.length / elements
     points, tangents = (np.array(x) for x in zip(*[path.at(s) for s in places]))
     made = Cable(points, 1, closed=path.closed, **cable)
-    if made.section.kind & 1:
+    if made.section.kind & SPRING:
         raise ValueError("lay: model='springs' lies on no arc; use model='ancf'")
     pull = tension if callable(tension) else lambda s: tension
 
     def stretch(s):
         force = values.notNegative("lay: tension", pull(s), "N")
+        if force > MOST_PULL * made.section.ea:
+            remedy = f"is more than {MOST_PULL:g} times EA = {made.section.ea:g} N; give less"
+            values.refuse("lay: tension", force, remedy)
         ratio = 1.0
         for _ in range(50):  # T = EA (ratio^2 - 1)/2 ratio
             ratio = math.sqrt(1 + 2 * force / (made.section.ea * ratio))
         return ratio
 
-    slopes = np.array([stretch(s) for s in places])[:, None] * tangents
+    def stretches(at):
+        return np.array([stretch(s) for s in at]) if callable(tension) else stretch(0.0)
+
+    slopes = np.broadcast_to(stretches(places), count)[:, None] * tangents
     middles = (np.arange(elements) + 0.5) * path.length / elements
     layout = made._layout
     i, j = layout.ends.T
     length = curveLength(points[i], tangents[i], points[j], tangents[j])
-    layout.length = length / np.array([stretch(s) for s in middles])
+    layout.length = length / stretches(middles)
     layout.slopes = np.stack([slopes[i], slopes[j]], axis=1).reshape(-1, 3)
     return made
 
@@ -394,6 +433,8 @@ def settle(cable, time, every=1e-3):
     """Lets a scene come to rest for `time` [s] and sets O.time to 0: whenever kinetic energy has
     begun to fall, all speeds of cables and of bodies that nothing leads are taken out.
     """
+    time = values.positive("settle: time", time, "s")
+    every = values.positive("settle: every", every, "s")
     free = [k for k, what in cable._claims.items() if what.startswith("carrying")]
     carried = [b for k, b in cable._attached if k in free]
     engines = [e for e in O.engines if isinstance(e, wrapper.SheaveEngine)]
@@ -513,10 +554,6 @@ class Wrap:
         return -offset / slope
 
     @property
-    def normalSum(self):
-        return float(self.normal.sum())
-
-    @property
     def frictionSum(self):
         """Sum of friction along the cable [N]: on a massless one the difference of tensions."""
         return float(self.friction.sum())
@@ -529,8 +566,8 @@ class Wrap:
 
 def wrap(cable, sheaveId):
     """Reads the Wrap of a cable on a sheave, or None where it touches nowhere."""
-    body = O.bodies[sheaveId]
-    engine, span = cable.engine, cable.spans[0]
+    body = _sheaveBody("wrap", sheaveId)
+    engine, span = cable._needEngine("wrap"), cable.spans[0]
     axis = axisOf(sheaveId)
     center, vel = np.array(body.state.pos), np.array(body.state.vel)
     spin = np.array(body.state.angVel)

@@ -19,6 +19,7 @@ SOLIDS = ("Sphere", "Box", "Facet", "Wall")  # that cables touch, sheaves beside
 IMPLICIT_STEP = 1e-3  # [s]
 
 # What integrator='auto' goes by, from docs/precision.rst
+SUBSTEPS_MOST = 1000
 MOST_INSIDE = 40  # steps of leapfrog in an O.dt; more make it no cheaper, and implicit ones are
 
 
@@ -62,8 +63,12 @@ def engines(
         raise ValueError("engines(): give at least one Cable or Net")
     gravity = values.vector("engines: gravity", gravity)
     values.choice("engines: integrator", integrator, ("leapfrog", "implicit", "rk4", "auto"))
-    steps = 0 if substeps == "auto" else values.count("engines: substeps", substeps, 1)
+    steps = (
+        0 if substeps == "auto" else values.count("engines: substeps", substeps, 1, SUBSTEPS_MOST)
+    )
     law = _lawOptions(contact)
+    if speed is not None:
+        values.positive("engines: speed", speed, "m/s")
     if verletDist is None:
         verletDist = min(sweepLength(s) for s in structures)
     verletDist = values.positive("engines: verletDist", verletDist, "m")
@@ -82,7 +87,7 @@ def engines(
         if getattr(structure, "folded", False) and O.iter == 0:
             _checkFolded(structure)
     hollars = wrapper.Law2_ScGeom_HollarsPhys_Hollars(**law)
-    speed = fastest() if speed is None else values.positive("engines: speed", speed, "m/s")
+    speed = fastest() if speed is None else speed
     O.dt = timeStep(cable, speed, hollars)
     return [
         wrapper.ForceResetter(),
@@ -172,6 +177,9 @@ def _longestAxis():
 
 
 def _lawOptions(contact):
+    if contact is not None and not isinstance(contact, dict):
+        remedy = "must be a dict such as dict(normal='hertz', friction='coulomb'), or None"
+        values.refuse("engines: contact", contact, remedy, TypeError)
     options = dict(contact or {})
     for key, value in options.items():
         values.choice("engines: contact key", key, tuple(LAW_OPTIONS))
@@ -195,8 +203,17 @@ def sweepLength(structure):
 
 
 def fastest():
-    """Highest speed of bodies and cables in the scene, at least 1 m/s."""
-    speeds = [1.0] + [b.state.vel.norm() for b in O.bodies]
+    """Highest speed of bodies and cables in the scene, at least 1 m/s. ValueError for one that is
+    not finite.
+    """
+    speeds = [1.0]
+    for body in O.bodies:
+        speed = body.state.vel.norm()
+        if not math.isfinite(speed):
+            values.refuse(
+                f"O.bodies[{body.id}].state.vel", tuple(body.state.vel), "must be finite [m/s]"
+            )
+        speeds.append(speed)
     for engine in cableEngines():
         v = np.array(engine.velocity).reshape(3, -1)[:, : engine.nNodes]
         speeds.append(float(np.sqrt((v**2).sum(axis=0).max(initial=0))))
@@ -208,10 +225,15 @@ def timeStep(engines=None, speed=None, law=None):
     contacts of HollarsMat between other bodies allow that meet at a speed [m/s]. Contacts of cables
     take sub-steps of their own inside it.
 
+    Infinite if there are neither cables nor bodies of HollarsMat that can meet.
+
     engines: CableEngines, None: all in O.engines. law: a Law2_ScGeom_HollarsPhys_Hollars, None: that
     in O.engines.
     """
     engines = cableEngines() if engines is None else engines
+    for i, engine in enumerate(values.sequence("timeStep: engines", engines, "CableEngines")):
+        if not isinstance(engine, wrapper.CableEngine):
+            values.refuse(f"timeStep: engines[{i}]", engine, "must be a CableEngine", TypeError)
     speed = fastest() if speed is None else values.positive("timeStep: speed", speed, "m/s")
     steps = [(law or _hollarsLaw()).contactTimeStep(speed)]
     for engine in engines:

@@ -22,20 +22,40 @@ SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT = (
 # CableEngine finds itself.
 ELEMENTS = 1 << 29
 
+MASK = 2**31 - 1  # largest groupMask: an int of YADE's
 SEGMENTS_MOST = 64  # of an element
+SMALLEST, LARGEST = 1e-30, 1e30  # of ea [N], rhoA [kg/m] and, from 0, ei [N m2]
+DAMPING_MOST = 1e6  # [s]
+ITERATIONS_MOST = 2**31 - 1  # of relax: an int of the engine's
 
 
 @dataclass
 class Section:
-    """What an element is made of."""
+    """What an element is made of; follows its material."""
 
     diameter: float  # [m]
-    ea: float  # axial stiffness [N]
-    ei: float  # bending stiffness [N m2]
-    rhoA: float  # mass per length [kg/m]
+    area: float  # [m2]
+    bending: float | None  # bending stiffness [N m2]; None: that of a full round of the material
     damping: float  # Kelvin-Voigt time [s]
     kind: int  # sum of the bits above
     material: object  # HollarsMat
+
+    @property
+    def ea(self):
+        """Axial stiffness [N]."""
+        return self.material.young * self.area
+
+    @property
+    def ei(self):
+        """Bending stiffness [N m2]."""
+        if self.bending is not None:
+            return self.bending
+        return self.material.young * np.pi * self.diameter**4 / 64
+
+    @property
+    def rhoA(self):
+        """Mass per length [kg/m]."""
+        return self.material.density * self.area
 
 
 @dataclass(slots=True)
@@ -105,45 +125,74 @@ def section(
 ):
     """Section from what the user gave; raises ValueError or TypeError that names the attribute."""
     mat = findMaterial(name, material)
-    diameter = values.positive(f"{name}.diameter", diameter, "m")
+    diameter = values.positive(f"{name}.diameter", diameter, "m", values.FARTHEST)
     values.choice(f"{name}.model", model, ("ancf", "springs"))
     values.choice(f"{name}.mass", mass, ("consistent", "lumped"))
     values.choice(f"{name}.axialRule", axialRule, ("exact", "reduced"))
     values.choice(f"{name}.curvature", curvature, ("fast", "exact"))
     springs = model == "springs"
-    if springs and bending:
+    if springs and bending is not None and bending != 0:
         values.refuse(f"{name}.bending", bending, "springs do not bend; use model='ancf'")
-    full = np.pi * diameter**2 / 4
-    area = full if area is None else values.positive(f"{name}.area", area, "m2")
-    if bending is None:
-        bending = 0.0 if springs else mat.young * np.pi * diameter**4 / 64
-    bending = values.notNegative(f"{name}.bending", bending, "N m2")
+    area = (
+        np.pi * diameter**2 / 4 if area is None else values.positive(f"{name}.area", area, "m2")
+    )
+    if springs:
+        bending = 0.0
+    if bending is not None:
+        bending = values.notNegative(f"{name}.bending", bending, "N m2")
     kind = SPRING if springs else 0
     kind |= LUMPED if springs or mass == "lumped" else 0
     kind |= AXIAL_REDUCED if not springs and axialRule == "reduced" else 0
     kind |= CURVATURE_EXACT if not springs and curvature == "exact" else 0
-    damping = values.notNegative(f"{name}.damping", damping, "s")
-    return Section(diameter, mat.young * area, bending, mat.density * area, damping, kind, mat)
+    damping = values.notNegative(f"{name}.damping", damping, "s", DAMPING_MOST)
+    made = Section(diameter, area, bending, damping, kind, mat)
+    _checkSection(name, made)
+    return made
+
+
+def _checkSection(name, section):
+    """Refuses what no element can be made of, by its cause."""
+    for what, value, unit, cause in (
+        ("ea", section.ea, "N", "young x area"),
+        ("rhoA", section.rhoA, "kg/m", "density x area"),
+    ):
+        if not SMALLEST < value < LARGEST:
+            raise ValueError(
+                f"{name}: {what} = {cause} = {value:g} {unit}, out of {SMALLEST:g} to {LARGEST:g}: "
+                f"mend diameter = {section.diameter:g} m, area = {section.area:g} m2 or the material"
+            )
+    if not section.ei < LARGEST:
+        raise ValueError(
+            f"{name}: EI = {section.ei:g} N m2, must be below {LARGEST:g}: mend bending, or "
+            f"diameter = {section.diameter:g} m"
+        )
 
 
 def findMaterial(name, material):
     """The HollarsMat with a label or id, or the given one, its values checked."""
     where = f"{name}.material"
-    if isinstance(material, wrapper.Material):
-        mat = material
-    else:
-        try:
-            mat = O.materials[material]
-        except (KeyError, IndexError):
-            known = [m.label for m in O.materials if m.label]
-            remedy = f"no such material in O.materials (labels there: {known}); append a HollarsMat"
-            values.refuse(where, material, remedy)
+    mat = anyMaterial(where, material)
     if not isinstance(mat, wrapper.HollarsMat):
         values.refuse(
             where, material, f"is a {type(mat).__name__}, but cables need a HollarsMat", TypeError
         )
     checkMaterial(mat)
     return mat
+
+
+def anyMaterial(where, material):
+    """The given Material, or that of O.materials with a label or id."""
+    if isinstance(material, wrapper.Material):
+        return material
+    if isinstance(material, bool) or not isinstance(material, (str, int)):
+        remedy = "must be a HollarsMat, or the label or id of one in O.materials"
+        values.refuse(where, material, remedy, TypeError)
+    try:
+        return O.materials[material]
+    except (KeyError, IndexError):
+        known = [m.label for m in O.materials if m.label]
+        remedy = f"no such material in O.materials (labels there: {known}); append a HollarsMat"
+        values.refuse(where, material, remedy)
 
 
 def checkMaterial(mat):
@@ -245,6 +294,7 @@ class Span:
 
     def stations(self, k=8):
         """s of the points of curve(k), (k count + 1) numpy."""
+        k = values.count(f"{self._structure.name}.stations", k, 1)
         arc = self._arc
         along = arc[:-1, None] + np.arange(k) / k * np.diff(arc)[:, None]
         return np.append(along.ravel() / arc[-1], 1.0)
@@ -252,6 +302,7 @@ class Span:
     def tensions(self, k=8):
         """Tension at the points of curve(k), (k count + 1) numpy [N]."""
         engine = self._structure._needEngine("tensions")
+        k = values.count(f"{self._structure.name}.tensions", k, 1)
         at = [(e, i / k) for e in range(self._run.count) for i in range(k)]
         at.append((self._run.count - 1, 1.0))
         return np.array([engine.tension(self._engineElement(e), xi) for e, xi in at])
@@ -267,8 +318,8 @@ class Structure:
         self.section = section
         self.bodies = []  # ids of the elements in O.bodies
         self.contact = values.choice(f"{name}.contact", contact, ("curve", "points"))
-        self.selfContact = bool(selfContact)
-        self.mask = values.count(f"{name}.mask", mask, 1)
+        self.selfContact = values.flag(f"{name}.selfContact", selfContact)
+        self.mask = checkedMask(f"{name}.mask", mask)
         self._layout = layout
         self.spans = [Span(self, run) for run in layout.runs]
         self._contactPoints = values.count(f"{name}.contactPoints", contactPoints, 0)
@@ -279,7 +330,7 @@ class Structure:
         self._family = None
         self._first = (0, 0)  # numbers of our first node and element in the engine
         self._claims = {}  # knot -> what holds it
-        self._later = []  # conditions to be carried out at append
+        self._later = []  # (condition, what follows from it) to be carried out at append
         self._velocity = None  # (nodes (n, 3), slopes (2 E, 3)) at the start
         self._attached = []  # (knot, body id) carried or followed
         self._ties = []  # (structure, knot, structure, knot) to be made once both are in an engine
@@ -331,14 +382,24 @@ class Structure:
         for engine in cableEngines():
             if engine.family == self._family:
                 return engine
+        self._checkScene()
         return self._engine
+
+    def _checkScene(self):
+        """Refuses what is left of a scene before O.reset()."""
+        if self.bodies and not any(isOfFamily(i, self._family) for i in self.bodies):
+            raise RuntimeError(
+                f"{self.name}: its bodies, {self.bodies[0]} to {self.bodies[-1]}, are not in O.bodies: "
+                "it belongs to a scene that O.reset() or O.load() has taken away; make a new one"
+            )
 
     def append(self, engine=None):
         """Puts a body for each element into O.bodies, and nodes and elements into a CableEngine.
 
         engine: the CableEngine to join (`other.engine`); None makes a new one, which goes between
         InteractionLoop and NewtonIntegrator if O.engines has them. Returns self. Raises
-        RuntimeError if it was appended before, ValueError if O is periodic.
+        RuntimeError if it was appended before, ValueError if O is periodic; after an error the
+        scene is as it was.
         """
         if self.appended:
             raise RuntimeError(f"{self.name}.append: was appended before")
@@ -349,17 +410,34 @@ class Structure:
         if engine is not None and not isinstance(engine, wrapper.CableEngine):
             remedy = "must be a CableEngine, such as other.engine of a cable that was appended"
             values.refuse(f"{self.name}.append: engine", engine, remedy, TypeError)
-        self._engine = engine or _newEngine()
-        self._family = self._engine.family
-        self._first = self._addElements(self._engine)
-        self._pushVelocity()
-        self._tieAll()
+        checkMaterial(self.section.material)
+        _checkSection(self.name, self.section)
+        engine = engine or _newEngine()
+        engine.begin()
+        self._engine, self._family = engine, engine.family
+        try:
+            self._first = self._addElements(engine)
+            self._pushVelocity()
+            self._coverElements()
+            self._tieAll()
+            for condition, _ in self._later:
+                condition()
+        except BaseException:
+            engine.rollback()
+            self._engine, self._family, self._first = None, None, (0, 0)
+            raise
+        engine.commit()
+        bends = self.section.bending is None
+        engine.madeOf(self._first[1], _inContainer(self.section.material).id, bends)
         self._addBodies()
-        for condition in self._later:
-            condition()
+        for _, after in self._later:
+            after()
         self._later = []
+        for tie in [t for t in self._ties if t[0].appended and t[2].appended]:
+            for structure in {tie[0], tie[2]}:
+                structure._ties.remove(tie)
         self._appendBodies()
-        _insertEngine(self._engine)
+        _insertEngine(engine)
         return self
 
     def _addElements(self, engine):
@@ -380,8 +458,8 @@ class Structure:
     def _appendBodies(self):
         """Bodies that belong to the structure and come with it (bullets of a net)."""
 
-    def _addBodies(self):
-        """Tells the engine what the elements show to the outside, and gives each a body."""
+    def _coverElements(self):
+        """Tells the engine what the elements show to the outside."""
         engine, lay = self.engine, self._layout
         count = np.array([r.count for r in lay.runs])
         first = np.array([r.first for r in lay.runs])
@@ -398,10 +476,13 @@ class Structure:
             ahead[:-1] - np.repeat(ahead[first], count),
             np.repeat(closed, count),
         )
+
+    def _addBodies(self):
+        """Gives each element a body."""
         if self._contactPoints == 0:
             return
-        material = _inContainer(self.section.material)
-        self.bodies = list(engine.addBodies(self._first[1], material, self.mask | ELEMENTS))
+        material = self.section.material
+        self.bodies = list(self.engine.addBodies(self._first[1], material, self.mask | ELEMENTS))
 
     # ---- conditions on knots ---------------------------------------------------------------------
 
@@ -421,29 +502,33 @@ class Structure:
         """Number in the engine of what stands for a knot."""
         return self.engine.tied(self._first[0] + knot)
 
-    def _claim(self, knot, what):
+    def _mayClaim(self, knot, what):
+        """Refuses what does not go with that which holds a knot."""
         held = self._claims.get(knot)
         if held and held != what and {held, what} != {"fixed", "clamped"}:
             raise ValueError(
                 f"{self.name}: knot {knot} is {held} and cannot be {what} as well; "
                 f"release({knot}) first, or take another knot"
             )
-        self._claims[knot] = "clamped" if held == "clamped" else what
 
-    def _when(self, condition):
-        """Carries a condition out now, or at append."""
+    def _when(self, condition, after=lambda: None):
+        """Carries a condition of the engine out now, or at append, and then what follows from it.
+        Where the engine refuses it, nothing has changed.
+        """
         if self.appended:
             condition()
+            after()
         else:
-            self._later.append(condition)
+            self._later.append((condition, after))
 
     def fix(self, knot):
         """Holds a knot where it is."""
         knot = self.knot(knot)
-        held = self._claims.get(knot) in ("fixed", "clamped")
-        self._claim(knot, "fixed")
-        if not held:
-            self._when(lambda: self.engine.fix(self._node(knot)))
+        self._mayClaim(knot, "fixed")
+        if self._claims.get(knot) in ("fixed", "clamped"):
+            return
+        self._when(lambda: self.engine.fix(self._node(knot)))
+        self._claims[knot] = "fixed"
 
     def clamp(self, knot):
         """Holds a knot where it is and the slopes of the cables at it. ValueError for springs,
@@ -454,9 +539,10 @@ class Structure:
             raise ValueError(
                 f"{self.name}.clamp({knot}): springs have no slopes; use model='ancf', or fix"
             )
+        self._mayClaim(knot, "clamped")
         wasHeld = self._claims.get(knot) in ("fixed", "clamped")
-        self._claim(knot, "clamped")
         self._when(lambda: self._clampNow(knot, wasHeld))
+        self._claims[knot] = "clamped"
 
     def _clampNow(self, knot, wasHeld):
         engine = self.engine
@@ -469,12 +555,13 @@ class Structure:
         """Keeps a knot at its place in a body's frame, whatever moves the body."""
         knot = self.knot(knot)
         findBody(f"{self.name}.follow", bodyId)
-        self._claim(knot, f"following body {bodyId}")
-        self._when(lambda: self._followNow(knot, bodyId))
-
-    def _followNow(self, knot, bodyId):
-        self.engine.follow(self._node(knot), bodyId)
-        self._attach(knot, bodyId)
+        claim = f"following body {bodyId}"
+        self._mayClaim(knot, claim)
+        self._when(
+            lambda: self.engine.follow(self._node(knot), bodyId),
+            lambda: self._attach(knot, bodyId),
+        )
+        self._claims[knot] = claim
 
     def carry(self, knot, bodyId, at=(0, 0, 0)):
         """Hangs a body on a knot: the knot stays at `at` [m] in the body's frame, the body's mass
@@ -488,18 +575,21 @@ class Structure:
         body = findBody(f"{self.name}.carry", bodyId)
         at = values.vector(f"{self.name}.carry: at", at)
         values.positive(f"{self.name}.carry: mass of body {bodyId}", body.state.mass, "kg")
-        self._claim(knot, f"carrying body {bodyId}")
-        self._when(lambda: self._carryNow(knot, bodyId, at))
+        claim = f"carrying body {bodyId}"
+        self._mayClaim(knot, claim)
+        self._when(
+            lambda: self._carryNow(knot, bodyId, at),
+            lambda: (_makeCarried(O.bodies[bodyId]), self._attach(knot, bodyId)),
+        )
+        self._claims[knot] = claim
 
     def _carryNow(self, knot, bodyId, at):
         engine, state = self.engine, O.bodies[bodyId].state
+        engine.carry(self._node(knot), bodyId, Vector3(*at))
         if state.vel.norm() > 0 or state.angVel.norm() > 0:
             arm = state.ori * Vector3(*at)
             velocity = np.array(list(state.vel + state.angVel.cross(arm)))
             engine.setVelocities(self._first[0] + knot, velocity, 0, np.empty(0))
-        engine.carry(self._node(knot), bodyId, Vector3(*at))
-        _makeCarried(O.bodies[bodyId])
-        self._attach(knot, bodyId)
 
     def load(self, knot, force):
         """Lets a constant force [N] act on a knot; a second call replaces the first."""
@@ -510,11 +600,11 @@ class Structure:
     def release(self, knot):
         """Lets a fixed or following knot go, and takes its load away."""
         knot = self.knot(knot)
-        held = self._claims.pop(knot, "")
+        held = self._claims.get(knot, "")
         if held.startswith(("carrying", "tied")):
-            self._claims[knot] = held
             raise ValueError(f"{self.name}.release({knot}): it is {held}, which is for good")
         self._when(lambda: self.engine.release(self._node(knot)))
+        self._claims.pop(knot, None)
 
     def tie(self, knot, other, otherKnot):
         """Makes a knot of this and one of another (or the same) structure one. ValueError if their
@@ -534,13 +624,15 @@ class Structure:
                 f"{other.name}; "
                 "lay them at the same place"
             )
-        self._claim(knot, f"tied to knot {otherKnot} of {other.name}")
+        claim = f"tied to knot {otherKnot} of {other.name}"
+        self._mayClaim(knot, claim)
         tie = (self, knot, other, otherKnot)
         if self.appended and other.appended:
             _tieNow(*tie)
         else:
             for structure in {self, other}:
                 structure._ties.append(tie)
+        self._claims[knot] = claim
 
     def _sameEngine(self, other):
         if self._family != other._family:
@@ -550,13 +642,12 @@ class Structure:
             )
 
     def _tieAll(self):
-        for tie in list(self._ties):
+        """Makes the ties to what is in the engine already."""
+        for tie in self._ties:
             mine, _, other, _ = tie
             if mine.appended and other.appended:
                 mine._sameEngine(other)
                 _tieNow(*tie)
-                for structure in {mine, other}:
-                    structure._ties.remove(tie)
 
     def _attach(self, knot, bodyId):
         """The elements that meet at a knot, and those that reach into the body now, never touch the
@@ -596,6 +687,12 @@ class Structure:
         Slopes change at the rate of f along them (central difference). Bodies carried at knots move
         along.
         """
+        if not callable(f):
+            remedy = "must be a function of a point, such as lambda p: Vector3(0, 0, 1)"
+            values.refuse(f"{self.name}.setVelocity: f", f, remedy, TypeError)
+        for knot, bodyId in self._attached:
+            if self._claims.get(knot, "").startswith("carrying"):
+                findBody(f"{self.name}.setVelocity: knot {knot} carries", bodyId)
         nodes, slopes = self._state()
         step = 1e-4 * self._layout.length.min()
 
@@ -684,17 +781,19 @@ class Structure:
         none is found, or if the cables press on a body that may move.
         """
         engine = self._needEngine("relax")
-        engine.relax(values.positive(f"{self.name}.relax: tolerance", tolerance, "-"), iterations)
+        tolerance = values.positive(f"{self.name}.relax: tolerance", tolerance, "-")
+        iterations = values.count(f"{self.name}.relax: iterations", iterations, 1, ITERATIONS_MOST)
+        engine.relax(tolerance, iterations)
 
 
-def findBody(where, bodyId):
+def findBody(where, bodyId, what="bodyId"):
     """O.bodies[bodyId]; IndexError if there is none, ValueError for an element of a cable."""
     whole = isinstance(bodyId, (int, np.integer)) and not isinstance(bodyId, bool)
     if not whole or not 0 <= bodyId < len(O.bodies) or O.bodies[bodyId] is None:
-        values.refuse(f"{where}: bodyId", bodyId, "there is no such body in O.bodies", IndexError)
+        values.refuse(f"{where}: {what}", bodyId, "there is no such body in O.bodies", IndexError)
     body = O.bodies[bodyId]
     if isinstance(body.shape, wrapper.CableElement):
-        values.refuse(f"{where}: bodyId", bodyId, "is an element of a cable; tie knots instead")
+        values.refuse(f"{where}: {what}", bodyId, "is an element of a cable; tie knots instead")
     return body
 
 
@@ -703,10 +802,31 @@ def cableEngines():
     return [e for e in O.engines if isinstance(e, wrapper.CableEngine)]
 
 
+_families = (
+    0  # given so far: none comes twice, so that no cable takes another scene's engine for its own
+)
+
+
 def _newEngine():
+    global _families
     families = [e.family for e in cableEngines()]
     families += [b.shape.family for b in O.bodies if isinstance(b.shape, wrapper.CableElement)]
-    return wrapper.CableEngine(family=max(families, default=0) + 1)
+    _families = max([_families, *families]) + 1
+    return wrapper.CableEngine(family=_families)
+
+
+def isOfFamily(bodyId, family):
+    """Whether a body is there and an element of the CableEngine with a number."""
+    body = O.bodies[bodyId] if bodyId < len(O.bodies) else None
+    return body is not None and getattr(body.shape, "family", None) == family
+
+
+def checkedMask(where, mask):
+    """A groupMask; refused if YADE's int does not hold it, or it has the bit of all elements."""
+    mask = values.count(where, mask, 1, MASK)
+    if mask & ELEMENTS:
+        values.refuse(where, mask, f"has bit 29 ({ELEMENTS}), which all elements of cables have")
+    return mask
 
 
 def _insertEngine(engine):

@@ -2,8 +2,12 @@
 
 import math
 import numbers
+from collections.abc import Iterable
 
 import numpy as np
+
+
+FARTHEST = 1e9  # that a point may be from the origin, or something thick [m]
 
 
 def refuse(where, value, remedy, error=ValueError):
@@ -17,19 +21,23 @@ def _number(where, value):
     return float(value)
 
 
-def positive(where, value, unit):
-    """`value` as float; refused unless finite and above zero."""
+def positive(where, value, unit, most=None):
+    """`value` as float; refused unless finite, above zero and not above `most`."""
     number = _number(where, value)
     if not (math.isfinite(number) and number > 0):
         refuse(where, value, f"must be finite and above zero [{unit}]")
+    if most is not None and number > most:
+        refuse(where, value, f"must be at most {most:g} [{unit}]")
     return number
 
 
-def notNegative(where, value, unit):
-    """`value` as float; refused unless finite and not below zero."""
+def notNegative(where, value, unit, most=None):
+    """`value` as float; refused unless finite, not below zero and not above `most`."""
     number = _number(where, value)
     if not (math.isfinite(number) and number >= 0):
         refuse(where, value, f"must be finite and not below zero [{unit}]")
+    if most is not None and number > most:
+        refuse(where, value, f"must be at most {most:g} [{unit}]")
     return number
 
 
@@ -41,26 +49,49 @@ def finite(where, value, unit):
     return number
 
 
-def count(where, value, least):
-    """`value` as int; refused if it is no whole number or below `least`."""
+def count(where, value, least, most=None):
+    """`value` as int; refused if it is no whole number, below `least` or above `most`."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral):
         refuse(where, value, "must be a whole number", TypeError)
     if value < least:
         refuse(where, value, f"must be at least {least}")
+    if most is not None and value > most:
+        refuse(where, value, f"must be at most {most}")
     return int(value)
+
+
+def flag(where, value):
+    """`value` as bool; refused unless it is True or False, or 1 or 0."""
+    if not isinstance(value, (bool, np.bool_)) and value not in (0, 1):
+        refuse(where, value, "must be True or False", TypeError)
+    return bool(value)
 
 
 def choice(where, value, allowed):
     """`value`; refused unless it is one of `allowed`."""
-    if value not in allowed:
+    if not any(value is a or (isinstance(value, type(a)) and value == a) for a in allowed):
         refuse(where, value, "choose one of " + ", ".join(repr(a) for a in allowed))
     return value
+
+
+def _component(x):
+    """x as float; text that reads like a number is none."""
+    if isinstance(x, (str, bytes, bool)):
+        raise TypeError
+    return float(x)
+
+
+def sequence(where, value, what):
+    """`value` as list; refused if it is text or nothing that can be gone through."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        refuse(where, value, f"must be a list of {what}", TypeError)
+    return list(value)
 
 
 def vector(where, value):
     """`value` as three finite floats (3,)."""
     try:
-        v = np.array([float(x) for x in value])
+        v = np.array([_component(x) for x in value])
     except (TypeError, ValueError):
         refuse(where, value, "must be a vector of three numbers", TypeError)
     if v.shape != (3,):
@@ -73,15 +104,17 @@ def vector(where, value):
 def direction(where, value):
     """`value` as a unit vector (3,); refused if its length is zero."""
     v = vector(where, value)
-    if np.linalg.norm(v) == 0:
+    largest = np.abs(v).max()
+    if largest == 0:
         refuse(where, value, "has no direction: give a vector longer than zero")
+    v = v / largest
     return v / np.linalg.norm(v)
 
 
 def points(where, value):
     """`value` as an (n, 3) array of finite floats."""
     try:
-        p = np.array([[float(x) for x in point] for point in value])
+        p = np.array([[_component(x) for x in point] for point in value])
     except (TypeError, ValueError):
         refuse(where, value, "must be a list of points, three numbers each [m]", TypeError)
     if p.ndim != 2 or p.shape[1] != 3:
@@ -90,4 +123,8 @@ def points(where, value):
     if not finiteRows.all():
         i = int(np.argmin(finiteRows))
         refuse(f"{where}[{i}]", tuple(p[i]), "must be finite [m]")
+    if np.abs(p).max(initial=0) > FARTHEST:
+        i = int(np.argmax(np.abs(p).max(axis=1)))
+        remedy = f"must be within {FARTHEST:g} m of the origin: use metres, and an origin nearby"
+        refuse(f"{where}[{i}]", tuple(p[i]), remedy)
     return p

@@ -10,9 +10,6 @@ void ancf_elastic_force(ancf_model* m, double* force, const double* x, const dou
 // Elastic energy of the elements begin .. end-1 [J], by axial strain and by bending.
 void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, const double* x, int begin, int end);
 
-// Power that the Kelvin-Voigt forces take out [W], >= 0.
-double ancf_damping_power(const ancf_model* m, const double* x, const double* v);
-
 // Strain at xi: Green's (r'.r' - 1)/2 for ANCF, engineering strain for springs [-].
 double ancf_strain(const ancf_model* m, const double* x, int element, double xi);
 
