@@ -5,12 +5,19 @@ JSON on stdin (smooth.forPeers, nets.forPeers). The last line of stdout is a lis
 
 import json
 import math
+import pathlib
 import sys
+import tempfile
 import time
 
 import numpy as np
 
 LEAST, REPEATS = 0.3, 3  # runs that take less [s] are made so many times
+HIGH, DEEP, THIN = (
+    20.0,
+    100.0,
+    1e-6,
+)  # of CableDyn's lines, its sea's depth [m], its density [kg/m3]
 
 
 def timed(build, run):
@@ -274,8 +281,81 @@ element="{text(it["pairs"])}" radius="{net["radius"]}" mass="{mass}">
                 yield method, int(parts), "implicitfast", step, cpu, found
 
 
+# ---- CableDyn ------------------------------------------------------------------------------------
+
+
+def cabledyn(given):
+    """Elements of positions and slopes, generalised-alpha, far above a sea of next to no density; without
+    bending, two-node elements. It starts from equilibrium, which it finds itself.
+    """
+    yield from (moved if "way" in given else lying)(given)
+
+
+def line(given, n, first, last, **options):
+    """File of one line between two points, the first of which can be led."""
+    from cabledyn import DeckModel
+
+    deck = DeckModel.new()
+    stiffness = dict(ea=given["ea"], ei=given["ei"])
+    kind = deck.add_line_type("cable", diam=given["diameter"], mass=given["rhoA"], **stiffness)
+    ends = deck.add_point(1, "Coupled", *first), deck.add_point(2, "Fixed", *last)
+    deck.add_line(1, *ends, kind, length=given["length"], num_segs=n)
+    for name, value in dict(g=given["gravity"], rhow=THIN, WtrDpth=DEEP, **options).items():
+        deck.options.set(name, value)
+    file = pathlib.Path(tempfile.mkdtemp()) / "line.dat"
+    deck.save(file)
+    return file
+
+
+def moved(given):
+    """Two Gauss points for the axial strain: with three, as it comes, stiff cables lock."""
+    from cabledyn import CableDyn
+
+    def build(n, step):
+        ends = (0, 0, HIGH), (given["span"], 0, HIGH)
+        options = dict(dtM=step, TMax=given["times"][-1], axial_quadrature=2)
+        return CableDyn(line(given, n, *ends, **options))
+
+    def march(model, n, step):
+        """CPU time of all steps and the places at the times asked for."""
+        led, shape = model.host_dofs(), model.lines[0]
+        (q, v, a), now, cpu, found = model.get_coupled_motion(), 0, 0.0, []
+        origin, turn = q[led].copy(), 2 * math.pi * given["frequency"]
+        way, rows = np.array(given["way"]), [round(n * place) for place in given["places"]]
+        for until in given["times"]:
+            begin = time.process_time()
+            while now < round(until / step):
+                now += 1
+                phase = turn * now * step
+                q[led] = origin + way * (math.cos(phase) - 1)
+                v[led], a[led] = -way * turn * math.sin(phase), -way * turn**2 * math.cos(phase)
+                model.step(step, q, v, a)
+            cpu += time.process_time() - begin
+            found.append(shape.node_positions()[rows].tolist())
+        return cpu, found
+
+    for n in given["elements"]:
+        for step in given["steps"]:
+            times = []
+            while not times or (times[0] < LEAST and len(times) < REPEATS):
+                cpu, found = march(build(n, step), n, step)
+                times.append(cpu)
+            yield "CableDyn", n, "implicit", step, sorted(times)[len(times) // 2], found
+
+
+def lying(given):
+    """At rest on the ground of its sea; reading the file is in the time."""
+    from cabledyn import CableDyn
+
+    first, last = ((x, y, z - DEEP) for x, y, z in given["ends"])
+    for n in given["elements"]:
+        file = line(given, n, last, first, kbot=given["floor"])
+        cpu, found = timed(lambda: file, lambda made: CableDyn(made).lines[0].node_positions())
+        yield "CableDyn", n, "statics", 0.0, cpu, (found[::-1] + [0, 0, DEEP]).tolist()
+
+
 def main():
-    program = dict(exudyn=exudyn, elastica=elastica, mujoco=mujoco)[sys.argv[1]]
+    program = dict(exudyn=exudyn, elastica=elastica, mujoco=mujoco, cabledyn=cabledyn)[sys.argv[1]]
     runs = list(program(json.load(sys.stdin)))
     print("result: " + json.dumps(runs))
 
