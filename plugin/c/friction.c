@@ -15,8 +15,9 @@
 
 enum { SWEEPS = 2, RENEWALS = 20 };
 
-// A group of up to FEW contacts is one part. Others go round over parts of one body each, then, as long as that does
-// not end, over larger ones.
+// A group of up to FEW contacts is one part, and so is one that cables alone tie together: where each contact feels its
+// neighbours alone, Newton's method costs little for all of them, and parts would hand on what is off one by one.
+// Others go round over parts of one body each, then, as long as that does not end, over larger ones.
 enum { FEW = 8, STAGES = 3 };
 static const struct { int most, rounds; } stage[STAGES] = {{1, 8}, {32, 16}, {ANCF_NEWTON_MOST, 32}};
 
@@ -271,6 +272,13 @@ static double rub_parts(ancf_table* t, int rounds, double largest, int* steps) {
     return left;
 }
 
+// Whether any of the n contacts listed moves a body.
+static bool moves_bodies(const ancf_table* t, int n) {
+    for (int k = 0; k < n; ++k)
+        if (t->drag[t->rubbing[k]].body[0] || t->drag[t->rubbing[k]].body[1]) return true;
+    return false;
+}
+
 // Friction of what presses in a group. Returns the number of sweeps and of Newton's steps.
 static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, double* left) {
     take_back(t, g, step);
@@ -285,10 +293,11 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
         for (int k = 0; k < n; ++k) change = ancf_larger(change, rub_one(t, contact[k], largest));
         off = sqrt(change);
     }
-    for (int i = 0; i < STAGES && off > tolerance * largest; ++i) {
+    const int from = moves_bodies(t, n) ? 0 : STAGES - 1;
+    for (int i = from; i < STAGES && off > tolerance * largest; ++i) {
         const int before = t->parts;
         ancf_parts_join(t, n <= FEW ? FEW : stage[i].most);
-        if (i == 0 || t->parts < before) off = rub_parts(t, stage[i].rounds, largest, &needed);
+        if (i == from || t->parts < before) off = rub_parts(t, stage[i].rounds, largest, &needed);
     }
     for (int k = 0; k < n; ++k) {
         const ancf_drag* d = &t->drag[contact[k]];
