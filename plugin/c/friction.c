@@ -195,18 +195,6 @@ static void finish(ancf_table* t, ancf_contact* c, const double force[3], double
     rub(t, c, P, step);
 }
 
-// What the contacts of a part do to one another.
-static void find_effects(double* W, const ancf_table* t, const int* contact, int n) {
-    const int m = 2 * n;
-    for (int i = 0; i < n; ++i)
-        for (int j = i; j < n; ++j) {
-            double w[2][2];
-            ancf_drag_effect(w, t, contact[i], contact[j]);
-            for (int a = 0; a < 2; ++a)
-                for (int b = 0; b < 2; ++b) W[(2 * i + a) * m + 2 * j + b] = W[(2 * j + b) * m + 2 * i + a] = w[a][b];
-        }
-}
-
 // Puts friction of a part of a group right while the rest stays; returns the square of the largest change. *left: by
 // how much it is off.
 static double rub_part(ancf_table* t, const double* W, const int* contact, int n, double largest, double* left,
@@ -262,7 +250,7 @@ static double rub_parts(ancf_table* t, int rounds, double largest, int* steps) {
         for (int k = 0; k < t->parts; ++k) {
             const int *contact = t->rubbing + t->part[k], n = t->part[k + 1] - t->part[k];
             double off = 0.0, *W = t->effects + 4 * ANCF_NEWTON_MOST * (size_t)t->part[k];
-            if (round == 0) find_effects(W, t, contact, n);
+            if (round == 0) ancf_drag_effects(W, t, contact, n);
             change = ancf_larger(change, rub_part(t, W, contact, n, largest, &off, steps));
             left = ancf_larger(left, off);
         }
