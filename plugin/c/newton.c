@@ -15,9 +15,6 @@
 
 enum { STEPS = 200, PARTS = 20 };
 
-// Part of the slope of E along a step that may be left at its end.
-static const double flat = 0.5;
-
 // y = A x, A symmetric.
 ANCF_CLONES static void multiply(double* restrict y, const double* restrict A, const double* restrict x, int n) {
     for (int i = 0; i < n; ++i) y[i] = 0.0;
@@ -146,15 +143,18 @@ static double slope_at(const way* w, double part) {
     return sum;
 }
 
-// Part of a step to where E is nearly least along it: regula falsi, with no part of the bracket too small.
+// Part of a step to where E is nearly least along it, but not beyond, so that no steps can go round in a circle: where
+// the slope is a quarter of what it was, by regula falsi, with no part of the bracket too small. A whole step may go a
+// little too far.
 static double part_of(const way* w) {
-    double low = 0.0, high = 1.0, at_low = slope_at(w, 0.0), at_high = slope_at(w, 1.0), part = 1.0;
-    const double enough = -flat * at_low;
-    double at = at_high;
-    for (int i = 0; i < PARTS && fabs(at) > enough && at_low < 0.0 && at_high > 0.0; ++i) {
+    const double start = slope_at(w, 0.0), end = slope_at(w, 1.0), aim = 0.25 * start;
+    if (!(start < 0.0) || end <= -0.5 * aim) return 1.0;
+    double low = 0.0, high = 1.0, at_low = start - aim, at_high = end - aim, part = 1.0;
+    for (int i = 0; i < PARTS; ++i) {
         part = (low * at_high - high * at_low) / (at_high - at_low);
         part = fmin(fmax(part, low + 0.1 * (high - low)), high - 0.1 * (high - low));
-        at = slope_at(w, part);
+        const double at = slope_at(w, part) - aim;
+        if (fabs(at) <= -aim) break;
         if (at > 0.0) {
             high = part;
             at_high = at;

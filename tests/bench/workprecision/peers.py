@@ -529,7 +529,7 @@ def moved(given):
                 v[led], a[led] = -way * turn * math.sin(phase), -way * turn**2 * math.cos(phase)
                 model.step(step, q, v, a)
             cpu += time.process_time() - begin
-            found.append(shape.node_positions()[rows].tolist())
+            found.append((shape.node_positions()[rows] - [0, 0, HIGH]).tolist())
         return cpu, found
 
     for n in given["elements"]:
