@@ -66,7 +66,7 @@ PEERS = {
     "belt starts": ("exudyn",),
     "catenary on a floor": ("cabledyn",),
 }
-LIMIT = 900  # a process may take [s]
+LIMIT = 1800  # a process may take [s]
 LONG = 100  # a case whose first round takes longer has no other [s]
 MARK = "result: "
 OUT = ROOT / "docs" / "images" / "precision"
