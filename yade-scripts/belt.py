@@ -24,13 +24,21 @@ PRETENSION = 20.0  # [N]
 MU = 0.3
 TRANSITION_VELOCITY = 1e-4  # v_t0 [m/s]
 SPEED = 2.0  # of the driver's rim [m/s]
+ELEMENT_ANGLE = 15.0  # of the wrap that an element takes [deg]
 LOAD = 1.2  # largest torque [N m]
 INERTIA = 2e-4  # of a sheave [kg m2]
 DURATION = 1.0  # [s]
 
 
-def build():
-    """The scene; (cable, sheave ids, SheaveEngine)."""
+def growing(t):
+    """Torque of the load at a time [N m]."""
+    return -LOAD * min(1.0, t / DURATION)
+
+
+def build(
+    elementAngle=ELEMENT_ANGLE, distance=DISTANCE, transition=TRANSITION_VELOCITY, torque=None
+):
+    """The scene; (cable, sheave ids, SheaveEngine). torque: of the load [N m]; None: it grows."""
     O.reset()
     area = math.pi * DIAMETER**2 / 4
     O.materials.append(
@@ -41,7 +49,7 @@ def build():
             poisson=0.3,
             staticFriction=MU,
             kineticFriction=MU,
-            transitionVelocity=TRANSITION_VELOCITY,
+            transitionVelocity=transition,
             normalStiffness=3e5,
             normalExponent=1.0,
             dashpot=3.0,
@@ -51,12 +59,12 @@ def build():
         pulleys.sheave(
             (x, 0, 0), RADIUS - DIAMETER / 2, width=0.012, material="belt", inertia=INERTIA
         )
-        for x in (0, DISTANCE)
+        for x in (0, distance)
     ]
     path = pulleys.Path([(i, 1) for i in ids], diameter=DIAMETER)
     cable = pulleys.lay(
         path,
-        round(path.length / (RADIUS * math.radians(15))),
+        round(path.length / (RADIUS * math.radians(elementAngle))),
         diameter=DIAMETER,
         material="belt",
         bending=0.0,
@@ -70,7 +78,7 @@ def build():
     for i in ids:
         O.bodies[i].state.angVel = Vector3(0, SPEED / RADIUS, 0)
     engine.add(ids[0], speed=SPEED / RADIUS)
-    engine.add(ids[1], torque=lambda t: -LOAD * min(1.0, O.time / DURATION))
+    engine.add(ids[1], torque=growing if torque is None else torque)
     O.engines = pulleys.engines(cable, engine, contact=dict(normal="linear"), substeps=1)
     O.dt = 0.8 * cable.criticalTimeStep()
     return cable, ids, engine

@@ -4,6 +4,7 @@
 #include "lever.h"
 
 #include <math.h>
+#include <string.h>
 
 // Two directions across a normal.
 static void across(double tangent[2][3], const double n[3]) {
@@ -49,10 +50,36 @@ static void add_by_bodies(double w[2][2], const ancf_drag* d, const ancf_drag* e
         }
 }
 
-void ancf_drag_effect(double w[2][2], const ancf_table* t, int one, int other) {
-    w[0][0] = w[0][1] = w[1][0] = w[1][1] = 0.0;
-    add_by_places(w, t, &t->contact[one], &t->drag[one], &t->contact[other], &t->drag[other]);
-    add_by_bodies(w, &t->drag[one], &t->drag[other]);
+// Into W, and what it is the other way round.
+static void add(double* W, double w[2][2], int i, int j, int m) {
+    for (int a = 0; a < 2; ++a)
+        for (int b = 0; b < 2; ++b) {
+            W[(2 * i + a) * m + 2 * j + b] += w[a][b];
+            if (i != j) W[(2 * j + b) * m + 2 * i + a] += w[a][b];
+        }
+}
+
+void ancf_drag_effects(double* W, ancf_table* t, const int* contact, int n) {
+    const ancf_groups* g = &t->groups;
+    const int m = 2 * n;
+    memset(W, 0, sizeof *W * (size_t)(m * m));
+    for (int i = 0; i < n; ++i) t->drag[contact[i]].number = i;
+    for (int i = 0; i < n; ++i) {
+        const int one = contact[i];
+        const ancf_drag* d = &t->drag[one];
+        for (int k = g->first[one]; k < g->first[one + 1]; ++k) {
+            const int other = g->other[k], j = t->drag[other].number;
+            if (j < i || j >= n || contact[j] != other) continue;
+            double w[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
+            add_by_places(w, t, &t->contact[one], d, &t->contact[other], &t->drag[other]);
+            add(W, w, i, j, m);
+        }
+        for (int j = i; j < n && (d->body[0] || d->body[1]); ++j) {
+            double w[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
+            add_by_bodies(w, d, &t->drag[contact[j]]);
+            add(W, w, i, j, m);
+        }
+    }
 }
 
 void ancf_drag_find(ancf_table* t, int contact) {
@@ -74,7 +101,9 @@ void ancf_drag_find(ancf_table* t, int contact) {
             ancf_body_answer(d->answer[s][a], b, push, twist);
         }
     }
-    ancf_drag_effect(d->own, t, contact, contact);
+    memset(d->own, 0, sizeof d->own);
+    add_by_places(d->own, t, c, d, c, d);
+    add_by_bodies(d->own, d, d);
 }
 
 void ancf_drag_slip(double v[2], const ancf_table* t, const ancf_contact* c, const ancf_drag* d) {

@@ -9,8 +9,8 @@
 // `own`. The rest is left as it is.
 void ancf_drag_find(ancf_table* t, int contact);
 
-// Slip of one contact along its directions by unit impulses on another along those of that, w[of][by] [1/kg].
-void ancf_drag_effect(double w[2][2], const ancf_table* t, int one, int other);
+// Slips of n contacts along their directions by unit impulses along them, W (2n x 2n) [1/kg].
+void ancf_drag_effects(double* W, ancf_table* t, const int* contact, int n);
 
 // Slip along both directions: d->slip and what `pushed` makes [m/s].
 void ancf_drag_slip(double v[2], const ancf_table* t, const ancf_contact* c, const ancf_drag* d);

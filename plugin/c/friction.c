@@ -15,8 +15,9 @@
 
 enum { SWEEPS = 2, RENEWALS = 20 };
 
-// A group of up to FEW contacts is one part. Others go round over parts of one body each, then, as long as that does
-// not end, over larger ones.
+// A group of up to FEW contacts is one part, and so is one that cables alone tie together: where each contact feels its
+// neighbours alone, Newton's method costs little for all of them, and parts would hand on what is off one by one.
+// Others go round over parts of one body each, then, as long as that does not end, over larger ones.
 enum { FEW = 8, STAGES = 3 };
 static const struct { int most, rounds; } stage[STAGES] = {{1, 8}, {32, 16}, {ANCF_NEWTON_MOST, 32}};
 
@@ -194,18 +195,6 @@ static void finish(ancf_table* t, ancf_contact* c, const double force[3], double
     rub(t, c, P, step);
 }
 
-// What the contacts of a part do to one another.
-static void find_effects(double* W, const ancf_table* t, const int* contact, int n) {
-    const int m = 2 * n;
-    for (int i = 0; i < n; ++i)
-        for (int j = i; j < n; ++j) {
-            double w[2][2];
-            ancf_drag_effect(w, t, contact[i], contact[j]);
-            for (int a = 0; a < 2; ++a)
-                for (int b = 0; b < 2; ++b) W[(2 * i + a) * m + 2 * j + b] = W[(2 * j + b) * m + 2 * i + a] = w[a][b];
-        }
-}
-
 // Puts friction of a part of a group right while the rest stays; returns the square of the largest change. *left: by
 // how much it is off.
 static double rub_part(ancf_table* t, const double* W, const int* contact, int n, double largest, double* left,
@@ -261,7 +250,7 @@ static double rub_parts(ancf_table* t, int rounds, double largest, int* steps) {
         for (int k = 0; k < t->parts; ++k) {
             const int *contact = t->rubbing + t->part[k], n = t->part[k + 1] - t->part[k];
             double off = 0.0, *W = t->effects + 4 * ANCF_NEWTON_MOST * (size_t)t->part[k];
-            if (round == 0) find_effects(W, t, contact, n);
+            if (round == 0) ancf_drag_effects(W, t, contact, n);
             change = ancf_larger(change, rub_part(t, W, contact, n, largest, &off, steps));
             left = ancf_larger(left, off);
         }
@@ -269,6 +258,13 @@ static double rub_parts(ancf_table* t, int rounds, double largest, int* steps) {
         left = ancf_larger(left, sqrt(change));
     }
     return left;
+}
+
+// Whether any of the n contacts listed moves a body.
+static bool moves_bodies(const ancf_table* t, int n) {
+    for (int k = 0; k < n; ++k)
+        if (t->drag[t->rubbing[k]].body[0] || t->drag[t->rubbing[k]].body[1]) return true;
+    return false;
 }
 
 // Friction of what presses in a group. Returns the number of sweeps and of Newton's steps.
@@ -285,10 +281,11 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
         for (int k = 0; k < n; ++k) change = ancf_larger(change, rub_one(t, contact[k], largest));
         off = sqrt(change);
     }
-    for (int i = 0; i < STAGES && off > tolerance * largest; ++i) {
+    const int from = moves_bodies(t, n) ? 0 : STAGES - 1;
+    for (int i = from; i < STAGES && off > tolerance * largest; ++i) {
         const int before = t->parts;
         ancf_parts_join(t, n <= FEW ? FEW : stage[i].most);
-        if (i == 0 || t->parts < before) off = rub_parts(t, stage[i].rounds, largest, &needed);
+        if (i == from || t->parts < before) off = rub_parts(t, stage[i].rounds, largest, &needed);
     }
     for (int k = 0; k < n; ++k) {
         const ancf_drag* d = &t->drag[contact[k]];

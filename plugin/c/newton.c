@@ -11,11 +11,9 @@
 #include "internal.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { STEPS = 200, PARTS = 20 };
-
-// Part of the slope of E along a step that may be left at its end.
-static const double flat = 0.5;
 
 // y = A x, A symmetric.
 ANCF_CLONES static void multiply(double* restrict y, const double* restrict A, const double* restrict x, int n) {
@@ -38,45 +36,71 @@ static void turn(double* z, double (*R)[3], const double* x, const ancf_newton_l
         }
 }
 
-// R W R of two contacts with two directions each; rows of W are m long.
-static void turn_block(double* A, const double* w, const double r[3], const double s[3], int m) {
-    const double a = w[0] * s[0] + w[1] * s[1], b = w[0] * s[1] + w[1] * s[2], c = w[m] * s[0] + w[m + 1] * s[1],
-                 d = w[m] * s[1] + w[m + 1] * s[2];
-    A[0] = r[0] * a + r[1] * c;
-    A[1] = r[0] * b + r[1] * d;
-    A[m] = r[1] * a + r[2] * c;
-    A[m + 1] = r[1] * b + r[2] * d;
+// Place of an unknown in the system: all first directions come before all second ones, which where things move in a
+// plane do not feel one another.
+static int place_of(const ancf_newton_laws* laws, int contact, int direction) { return direction * laws->n + contact; }
+
+// Puts a number into a row of the upper triangle.
+static void put(double* A, int* end, int row, int column, int m, double value) {
+    if (value == 0.0) return;
+    A[row * m + column] += value;
+    if (end[row] <= column) end[row] = column + 1;
 }
 
-// The upper triangle of I + R W R, row by row.
-static void assemble(double* A, const double* W, double (*R)[3], const ancf_newton_laws* laws) {
+// R W R of two contacts with two directions each, i <= j, into the upper triangle.
+static void put_block(double* A, int* end, int i, int j, const double* w, const double r[3], const double s[3], int m) {
+    const int n = m / 2;
+    if (w[1] == 0.0 && w[m] == 0.0 && r[1] == 0.0 && s[1] == 0.0) { // in a plane
+        put(A, end, i, j, m, r[0] * w[0] * s[0]);
+        put(A, end, n + i, n + j, m, r[2] * w[m + 1] * s[2]);
+        return;
+    }
+    const double a = w[0] * s[0] + w[1] * s[1], b = w[0] * s[1] + w[1] * s[2], c = w[m] * s[0] + w[m + 1] * s[1],
+                 d = w[m] * s[1] + w[m + 1] * s[2];
+    put(A, end, i, j, m, r[0] * a + r[1] * c);
+    put(A, end, i, n + j, m, r[0] * b + r[1] * d);
+    if (i != j) put(A, end, j, n + i, m, r[1] * a + r[2] * c);
+    put(A, end, n + i, n + j, m, r[1] * b + r[2] * d);
+}
+
+// The upper triangle of I + R W R, row by row; behind end[row] are zeros alone.
+static void assemble(double* A, int* end, const double* W, double (*R)[3], const ancf_newton_laws* laws) {
     const int n = laws->n, m = n * laws->size;
+    for (int i = 0; i < m; ++i) {
+        memset(A + i * m + i, 0, sizeof *A * (size_t)(m - i));
+        A[i * m + i] = 1.0;
+        end[i] = i + 1;
+    }
     for (int i = 0; i < n; ++i)
         for (int j = i; j < n; ++j) {
-            if (laws->size == 1) A[i * m + j] = R[i][0] * W[i * m + j] * R[j][0];
-            else turn_block(A + 2 * i * m + 2 * j, W + 2 * i * m + 2 * j, R[i], R[j], m);
+            const double* w = W + laws->size * (i * m + j);
+            if (laws->size == 1) put(A, end, i, j, m, R[i][0] * w[0] * R[j][0]);
+            else if (w[0] != 0.0 || w[1] != 0.0 || w[m] != 0.0 || w[m + 1] != 0.0)
+                put_block(A, end, i, j, w, R[i], R[j], m);
         }
-    for (int i = 0; i < m; ++i) A[i * m + i] += 1.0;
 }
 
 // Solves A x = x by A = U^T U, which takes the place of the upper triangle. All eigenvalues are 1 at least.
-ANCF_CLONES static void solve(double* restrict A, double* restrict x, int m) {
+ANCF_CLONES static void solve(double* restrict A, int* restrict end, double* restrict x, int m) {
     for (int k = 0; k < m; ++k) {
         double* restrict row = A + k * m;
         const double inverse = 1.0 / sqrt(row[k]);
-        for (int j = k; j < m; ++j) row[j] *= inverse;
+        const int last = end[k];
+        for (int j = k; j < last; ++j) row[j] *= inverse;
         x[k] /= row[k];
-        for (int i = k + 1; i < m; ++i) {
+        for (int i = k + 1; i < last; ++i) {
             double* restrict other = A + i * m;
             const double factor = row[i];
-            for (int j = i; j < m; ++j) other[j] -= factor * row[j];
+            if (factor == 0.0) continue;
+            for (int j = i; j < last; ++j) other[j] -= factor * row[j];
+            if (end[i] < last) end[i] = last;
             x[i] -= factor * x[k];
         }
     }
     for (int k = m - 1; k >= 0; --k) {
         const double* row = A + k * m;
         double sum = x[k];
-        for (int j = k + 1; j < m; ++j) sum -= row[j] * x[j];
+        for (int j = k + 1; j < end[k]; ++j) sum -= row[j] * x[j];
         x[k] = sum / row[k];
     }
 }
@@ -119,15 +143,18 @@ static double slope_at(const way* w, double part) {
     return sum;
 }
 
-// Part of a step to where E is nearly least along it: regula falsi, with no part of the bracket too small.
+// Part of a step to where E is nearly least along it, but not beyond, so that no steps can go round in a circle: where
+// the slope is a quarter of what it was, by regula falsi, with no part of the bracket too small. A whole step may go a
+// little too far.
 static double part_of(const way* w) {
-    double low = 0.0, high = 1.0, at_low = slope_at(w, 0.0), at_high = slope_at(w, 1.0), part = 1.0;
-    const double enough = -flat * at_low;
-    double at = at_high;
-    for (int i = 0; i < PARTS && fabs(at) > enough && at_low < 0.0 && at_high > 0.0; ++i) {
+    const double start = slope_at(w, 0.0), end = slope_at(w, 1.0), aim = 0.25 * start;
+    if (!(start < 0.0) || end <= -0.5 * aim) return 1.0;
+    double low = 0.0, high = 1.0, at_low = start - aim, at_high = end - aim, part = 1.0;
+    for (int i = 0; i < PARTS; ++i) {
         part = (low * at_high - high * at_low) / (at_high - at_low);
         part = fmin(fmax(part, low + 0.1 * (high - low)), high - 0.1 * (high - low));
-        at = slope_at(w, part);
+        const double at = slope_at(w, part) - aim;
+        if (fabs(at) <= -aim) break;
         if (at > 0.0) {
             high = part;
             at_high = at;
@@ -144,13 +171,15 @@ int ancf_newton(double* P, double* v, double* left, const ancf_newton_laws* laws
     const int m = laws->n * laws->size;
     double *A = scratch, *off = A + m * m, *dP = off + m, *dv = dP + m, (*R)[3] = (double(*)[3])(dv + m);
     double largest = miss(off, P, v, laws);
-    int step = 0;
+    int step = 0, end[2 * ANCF_NEWTON_MOST];
     for (; step < STEPS && largest > enough * enough; ++step) {
         for (int i = 0; i < laws->n; ++i) laws->root(R[i], laws->law, i, v + laws->size * i);
-        assemble(A, W, R, laws);
+        assemble(A, end, W, R, laws);
         multiply(dv, W, off, m);
         turn(dP, R, dv, laws);
-        solve(A, dP, m);
+        for (int i = 0; i < m; ++i) dv[place_of(laws, i / laws->size, i % laws->size)] = dP[i];
+        solve(A, end, dv, m);
+        for (int i = 0; i < m; ++i) dP[i] = dv[place_of(laws, i / laws->size, i % laws->size)];
         turn(dP, R, dP, laws);
         for (int i = 0; i < m; ++i) dP[i] -= off[i];
         multiply(dv, W, dP, m);

@@ -30,6 +30,7 @@ typedef struct {
 // Friction of one contact among others, along two directions across its normal.
 typedef struct {
     bool levers, listed;
+    int number; // among those that are solved at once
     double tangent[2][3];
     double turn[4][2][3];   // couple or twist by a unit impulse, on the place [-] and the body [m] of either side
     double* body[2];        // `pushed` of bodies that move, or NULL

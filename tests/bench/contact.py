@@ -193,6 +193,19 @@ def capture(quick, inside=1):
     yield "deepest penetration", 1e3 * net.engine.maxPenetration, "mm"
 
 
+def phases(quick):
+    """What each engine takes of the capture: on the way, and from there on."""
+    shotNet(BALL_DISTANCE)
+    O.dt = ancf.timeStep()
+    O.timingEnabled = True
+    for phase, until in (("on the way", FLIGHT), ("at the ball", DURATION)):
+        times = shared(int(np.ceil((until - O.time) / O.dt)))
+        yield f"all engines, {phase}", sum(times.values()), "us"
+        for name, value in times.items():
+            yield f"{name}, {phase}", value, "us"
+    O.timingEnabled = False
+
+
 def freeSphere():
     """YADE's own floor: one free sphere, four engines."""
     O.reset()
@@ -298,17 +311,20 @@ def settle(ids, duration, calm):
     return np.array([O.bodies[i].state.vel.norm() for i in ids])
 
 
+def shared(steps):
+    """CPU time of a step in so many, shared among the engines as O.timingEnabled has it [us]."""
+    timing.reset()
+    cpu = cpuOf(steps)
+    wall = np.array([e.execTime for e in O.engines])
+    return dict(zip([type(e).__name__ for e in O.engines], 1e6 * cpu / steps * wall / wall.sum()))
+
+
 def engineTimes(repeats):
-    """CPU time of a step, shared among the engines as O.timingEnabled has it, medians [us]."""
-    times = []
+    """Medians of shared()."""
     O.timingEnabled = True
-    for _ in range(repeats):
-        timing.reset()
-        cpu = cpuOf(GRAIN_STEPS)
-        wall = np.array([e.execTime for e in O.engines])
-        times.append(1e6 * cpu / GRAIN_STEPS * wall / wall.sum())
+    runs = [shared(GRAIN_STEPS) for _ in range(repeats)]
     O.timingEnabled = False
-    return dict(zip([type(e).__name__ for e in O.engines], np.median(times, axis=0)))
+    return {name: np.median([run[name] for run in runs]) for name in runs[0]}
 
 
 def alone(ids):
@@ -460,6 +476,7 @@ def line(quick):
 CASES = dict(
     capture=capture,
     capture3=lambda quick: capture(quick, 3),
+    phases=phases,
     flight=flight,
     grains=grains,
     hanging=hanging,

@@ -126,6 +126,30 @@ static void friction_belongs_to_the_slip(void** state) {
     assert_true(most < MOST && stuck > 1000 && slid > 1000);
 }
 
+// What moves in a plane has no friction across it, and each contact feels those of the same body alone: most of W is
+// zero.
+static void in_a_plane_nothing_acts_across(void** state) {
+    (void)state;
+    static heap h;
+    uint64_t seed = 7;
+    for (int run = 0; run < 500; ++run) {
+        const int n = 1 + (int)random_between(&seed, 0.0, run % 16 ? 32.0 : MOST);
+        double left;
+        make(&h, &seed, n, 1 + n / 2, 10.0);
+        for (int i = 0; i < 2 * n; ++i)
+            for (int j = 0; j < 2 * n; ++j)
+                if ((i - j) % 2) h.W[2 * n * i + j] = 0.0;
+        for (int i = 0; i < n; ++i) h.v0[2 * i + 1] = 0.0;
+        start(&h, &seed, 0.0);
+        ancf_rubbing_solve(h.P, h.v, &left, n, h.contact, h.W, 1e-10 * h.bound, scratch);
+        assert_true(left <= 1e-10 * h.bound);
+        check_solved(&h, 1.01e-10 * h.bound);
+        for (int i = 0; i < n; ++i) assert_true(h.P[2 * i + 1] == 0.0 && h.v[2 * i + 1] == 0.0);
+        slips(&h);
+        check_solved(&h, 1e-8 * h.bound);
+    }
+}
+
 // Contacts at one and the same place are one that is pressed by all: sweeps contact by contact would take ages.
 static void contacts_at_one_place_are_one(void** state) {
     (void)state;
@@ -174,6 +198,7 @@ static void what_is_right_stays(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(friction_belongs_to_the_slip),
+        cmocka_unit_test(in_a_plane_nothing_acts_across),
         cmocka_unit_test(contacts_at_one_place_are_one),
         cmocka_unit_test(what_is_right_stays),
     };

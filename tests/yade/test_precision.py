@@ -82,3 +82,24 @@ def test_pendulum_is_that_of_textbook_elements(scene):
     scene.run(round(smooth.SWING / scene.dt), True)
     tip = smooth.nodesOf(made)[-1]
     assert np.linalg.norm(tip - reference("pendulum, exact curvature")) < 1e-5
+
+
+def test_moved_end_is_that_of_another_program(scene):
+    """A stiff bending cable against the limit of CableDyn 0.3.0, of 96 elements and 0.25 ms: it has the
+    same element and its own integrator, and its 64 elements are 4e-6 m off.
+    """
+    from workprecision import moved
+
+    case = moved.CASES["moved end stiff"]
+    assert case.off(moved.run(case.ea, 64, "implicit", 2.5e-3)[1], moved.PEER) < 6e-5
+
+
+def test_long_steps_pay_on_a_stiff_cable(scene):
+    """Implicit steps of 5 ms against leapfrog's of 17 us, both as near to the limit as 16 elements come."""
+    from workprecision import moved
+
+    case = moved.CASES["moved end stiff"]
+    explicit = case.row("explicit", 16, "leapfrog", 0.9)
+    implicit = case.row("implicit", 16, "implicit", 5e-3)
+    assert implicit.error < 1.2 * explicit.error
+    assert explicit.cpu > 15 * implicit.cpu

@@ -128,6 +128,21 @@ def test_capstan(scene, theta, mu, time):
     assert ratio == pytest.approx(math.exp(mu * math.radians(theta)), rel=off)
 
 
+def test_friction_round_a_sheave_is_found_at_once(scene):
+    """Contacts that the cable alone ties together: element by element took a hundred sweeps and more."""
+    cable, sheave, _, u = onSheave(
+        180, 0.3, profile=lambda phi: math.exp(0.15 * phi), transitionVelocity=1e-5
+    )
+    cable.load(-1, math.exp(0.15 * math.pi) * u)
+    turned(cable, sheave, 0.0)
+    O.run(200, True)
+    sweeps = record(1, lambda: (cable.engine.sweeps, cable.engine.frictionLeft))
+    O.run(200, True)
+    found, left = np.array(sweeps).T
+    assert cable.engine.contacts > 30
+    assert found.mean() < 20 and left.max() < 1e-7
+
+
 def test_what_rests_is_not_dragged(scene):
     """A cable under equal loads on a sheave that is held: nothing slips, so there is no friction,
     although normal forces leave velocities behind that are not quite along the normals.

@@ -18,6 +18,7 @@ STYLES = {
     "YADE wire chain": ("#34495e", "^", "--"),
     "Exudyn implicit": ("#1e8449", "D", "-."),
     "Exudyn explicit": ("#58d68d", "o", "-."),
+    "CableDyn": ("#16a085", "^", "-."),
     "PyElastica": ("#7f8c8d", "P", "-."),
     "MuJoCo capsules": ("#000000", "X", "-."),
     "MuJoCo flex of springs": ("#000000", "X", "-."),

@@ -145,4 +145,25 @@ class Lying:
             yield Row("YADE sphere chain", n, "lumped", "leapfrog", O.dt, cpu, place, pull)
 
 
+def forPeers(name):
+    """The case for peers."""
+    ea, _, rhoA = chains.section(CABLE)
+    return dict(
+        ea=ea,
+        ei=0.0,
+        rhoA=rhoA,
+        diameter=2 * CABLE["radius"],
+        gravity=GRAVITY,
+        length=LENGTH,
+        ends=[(0, 0, 0), (ACROSS, 0, HEIGHT)],
+        floor=FLOOR_YOUNG,
+        elements=ELEMENTS,
+    )
+
+
+def peerError(name, points):
+    """Error of another program, from its nodes along the cable."""
+    return off(points)
+
+
 CASES = {"catenary on a floor": Lying()}

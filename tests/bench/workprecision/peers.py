@@ -5,12 +5,19 @@ JSON on stdin (smooth.forPeers, nets.forPeers). The last line of stdout is a lis
 
 import json
 import math
+import pathlib
 import sys
+import tempfile
 import time
 
 import numpy as np
 
 LEAST, REPEATS = 0.3, 3  # runs that take less [s] are made so many times
+HIGH, DEEP, THIN = (
+    20.0,
+    100.0,
+    1e-6,
+)  # of CableDyn's lines, its sea's depth [m], its density [kg/m3]
 
 
 def timed(build, run):
@@ -91,6 +98,9 @@ def exudyn(given):
         where = exu.OutputVariableType.Position
         return [list(system.GetNodeOutput(node, where)) for node in nodes]
 
+    if "loading" in given:
+        yield from belt(given)
+        return
     duration = given["duration"]
     for n in given["elements"]:
         for step in given["steps"]:
@@ -103,6 +113,201 @@ def exudyn(given):
             lambda: build(given, n), lambda made: solve(made, "leapfrog", step, duration)
         )
         yield "Exudyn explicit", n, "leapfrog", step, cpu, found
+
+
+# Of the belt, as Exudyn's example has them: of its strength [m], bending stiffness [N m2], axial damping [N s]; of
+# contact and of friction's bristles [N/m3], [N s/m3]; segments of an element that touch.
+STRONG, STIFF, DAMPED = 1e-4, 1.333e-3, 1.0
+PRESS, DASH, BRISTLE, WIDTH, SEGMENTS = 4e9, 8e4, 5e9, 0.08, 2
+
+
+def belt(given):
+    """Cable2D on two circles, with contact and bristles for friction; trapezoidal rule of index 2. Speeds
+    of both wheels, tensions of both spans, from the time on when all is steady.
+    """
+    import exudyn as exu
+    import exudyn.utilities as part
+    from exudyn.beams import CreateReevingCurve, PointsAndSlopes2ANCFCable2D
+
+    radius, distance, kind = given["radius"] - STRONG / 2, given["distance"], exu.OutputVariableType
+
+    def build(n):
+        system = exu.SystemContainer().AddSystem()
+        curve = CreateReevingCurve(
+            [[[0, 0], radius, "L"], [[distance, 0], radius, "L"]],
+            radialOffset=STRONG / 2,
+            closedCurve=True,
+            numberOfANCFnodes=n,
+        )
+        fixed = system.AddMarker(
+            part.MarkerNodeCoordinate(
+                nodeNumber=system.AddNode(part.NodePointGround()), coordinate=0
+            )
+        )
+        element = part.Cable2D(
+            physicsMassPerLength=given["rhoA"],
+            physicsBendingStiffness=STIFF,
+            physicsAxialStiffness=given["ea"],
+            physicsAxialDamping=DAMPED,
+            physicsReferenceAxialStrain=-given["strain"],
+            useReducedOrderIntegration=2,
+            strainIsRelativeToReference=0.0,
+        )
+        _, elements, _, _, held = PointsAndSlopes2ANCFCable2D(
+            system,
+            curve["ancfPointsSlopes"],
+            curve["elementLengths"],
+            element,
+            massProportionalLoad=[0, -given["gravity"], 0],
+            fixedConstraintsNode0=[1, 0, 0, 0],
+            firstNodeIsLastNode=True,
+        )
+        length = curve["totalLength"] / n
+        area = WIDTH * length / SEGMENTS
+        rough = 10 * math.sqrt(BRISTLE / 50 * area * given["rhoA"] * length / SEGMENTS)
+        wheels, stops, touching = [], [], []
+        for x in (0, distance):
+            node = system.AddNode(part.NodeRigidBody2D(referenceCoordinates=[x, 0, 0]))
+            body = system.AddObject(
+                part.ObjectRigidBody2D(
+                    physicsMass=50, physicsInertia=given["inertia"], nodeNumber=node
+                )
+            )
+            place = [
+                system.AddMarker(part.MarkerNodeCoordinate(nodeNumber=node, coordinate=k))
+                for k in range(3)
+            ]
+            for k in range(3):
+                stops.append(
+                    system.AddObject(part.CoordinateConstraint(markerNumbers=[fixed, place[k]]))
+                )
+            wheels.append((node, place[2], stops.pop()))
+            rim = system.AddMarker(part.MarkerBodyRigid(bodyNumber=body))
+            for e in elements:
+                side = system.AddMarker(
+                    part.MarkerBodyCable2DShape(
+                        bodyNumber=e, numberOfSegments=SEGMENTS, verticalOffset=-STRONG / 2
+                    )
+                )
+                states = [0.1] * SEGMENTS + [-2] * SEGMENTS + [0] * SEGMENTS
+                data = system.AddNode(
+                    part.NodeGenericData(
+                        initialCoordinates=states, numberOfDataCoordinates=len(states)
+                    )
+                )
+                touching.append(
+                    system.AddObject(
+                        part.ObjectContactFrictionCircleCable2D(
+                            markerNumbers=[rim, side],
+                            nodeNumber=data,
+                            numberOfContactSegments=SEGMENTS,
+                            contactStiffness=PRESS * area,
+                            contactDamping=DASH * area,
+                            frictionVelocityPenalty=rough,
+                            frictionStiffness=BRISTLE * area,
+                            frictionCoefficient=given["friction"],
+                            circleRadius=radius,
+                        )
+                    )
+                )
+        (_, led, _), (_, driven, _) = wheels
+        start, end = given["speeding"]
+        lead = system.AddObject(
+            part.CoordinateConstraint(
+                markerNumbers=[fixed, led],
+                velocityLevel=True,
+                offsetUserFunction_t=lambda s, t, i, o: given["speed"]
+                * min(1.0, max(0.0, (t - start) / (end - start))),
+            )
+        )
+        system.AddObject(
+            part.CoordinateSpringDamper(markerNumbers=[fixed, driven], damping=given["viscous"])
+        )
+        system.AddLoad(
+            part.LoadCoordinate(
+                markerNumber=driven,
+                load=0,
+                loadUserFunction=lambda s, t, load: -given["torque"]
+                * part.SmoothStep(t, *given["loading"], 0.0, 1.0),
+            )
+        )
+        look = [
+            system.AddSensor(
+                part.SensorBody(
+                    bodyNumber=e,
+                    storeInternal=True,
+                    localPosition=[length / 2, 0, 0],
+                    outputVariableType=what,
+                )
+            )
+            for what in (kind.Position, kind.ForceLocal)
+            for e in elements
+        ]
+        look += [
+            system.AddSensor(
+                part.SensorNode(
+                    nodeNumber=wheel[0], storeInternal=True, outputVariableType=kind.AngularVelocity
+                )
+            )
+            for wheel in wheels
+        ]
+        system.Assemble()
+        rest(system, lead, touching, [stop for _, _, stop in wheels], held, BRISTLE * area)
+        return system, look
+
+    def settings(step):
+        made = exu.SimulationSettings()
+        made.linearSolverType = exu.LinearSolverType.EigenSparse
+        made.solutionSettings.writeSolutionToFile = False
+        made.solutionSettings.sensorsWritePeriod = 2e-3
+        made.parallel.numberOfThreads = 1
+        march, still = made.timeIntegration, made.staticSolver
+        march.endTime, march.numberOfSteps = given["duration"], round(given["duration"] / step)
+        march.newton.useModifiedNewton = True
+        march.discontinuous.iterationTolerance, march.discontinuous.maxIterations = 1e-3, 3
+        still.adaptiveStep, still.numberOfLoadSteps, still.stabilizerODE2term = False, 10, 1e5
+        still.loadStepGeometric, still.loadStepGeometricRange = True, 1e4
+        still.newton.relativeTolerance = still.newton.absoluteTolerance = 1e-6
+        march.verboseMode = still.verboseMode = 0
+        return made
+
+    def rest(system, lead, touching, stops, held, bristle):
+        """Equilibrium without friction, wheels and belt held; then all is let go."""
+
+        def friction(coefficient, stiffness):
+            for contact in touching:
+                system.SetObjectParameter(contact, "frictionCoefficient", coefficient)
+                system.SetObjectParameter(contact, "frictionStiffness", stiffness)
+
+        system.SetObjectParameter(lead, "activeConnector", False)
+        friction(0.0, 1e-8)
+        system.SolveStatic(settings(1e-4), updateInitialValues=True)
+        friction(given["friction"], bristle)
+        for stop in (*held, *stops):
+            system.SetObjectParameter(stop, "activeConnector", False)
+        system.SetObjectParameter(lead, "activeConnector", True)
+
+    def spans(places, forces, t):
+        """Mean tensions of the free spans above and below."""
+        found = []
+        for side in (1, -1):
+            x, y = places[..., 0], side * places[..., 1]
+            free = (x > 0.25 * distance) & (x < 0.75 * distance) & (y > 0.6 * radius)
+            found.append(float(forces[free & (t > given["steady"])].mean()))
+        return found
+
+    for n in given["elements"]:
+        for step in given["steps"]:
+            system, look = build(n)
+            begin = time.process_time()
+            system.SolveDynamic(settings(step), solverType=exu.DynamicSolverType.TrapezoidalIndex2)
+            cpu = time.process_time() - begin
+            seen = [system.GetSensorStoredData(k) for k in look]
+            places, forces, spin = np.array(seen[:n]), np.array(seen[n : 2 * n]), seen[2 * n :]
+            t = spin[0][:, 0]
+            speeds = [float(w[t > given["steady"], -1].mean()) for w in spin]
+            found = [speeds, spans(places[..., 1:], forces[..., 1], t)]
+            yield "Exudyn implicit", n, "implicit", step, cpu, found
 
 
 # ---- PyElastica ----------------------------------------------------------------------------------
@@ -274,8 +479,81 @@ element="{text(it["pairs"])}" radius="{net["radius"]}" mass="{mass}">
                 yield method, int(parts), "implicitfast", step, cpu, found
 
 
+# ---- CableDyn ------------------------------------------------------------------------------------
+
+
+def cabledyn(given):
+    """Elements of positions and slopes, generalised-alpha, far above a sea of next to no density; without
+    bending, two-node elements. It starts from equilibrium, which it finds itself.
+    """
+    yield from (moved if "way" in given else lying)(given)
+
+
+def line(given, n, first, last, **options):
+    """File of one line between two points, the first of which can be led."""
+    from cabledyn import DeckModel
+
+    deck = DeckModel.new()
+    stiffness = dict(ea=given["ea"], ei=given["ei"])
+    kind = deck.add_line_type("cable", diam=given["diameter"], mass=given["rhoA"], **stiffness)
+    ends = deck.add_point(1, "Coupled", *first), deck.add_point(2, "Fixed", *last)
+    deck.add_line(1, *ends, kind, length=given["length"], num_segs=n)
+    for name, value in dict(g=given["gravity"], rhow=THIN, WtrDpth=DEEP, **options).items():
+        deck.options.set(name, value)
+    file = pathlib.Path(tempfile.mkdtemp()) / "line.dat"
+    deck.save(file)
+    return file
+
+
+def moved(given):
+    """Two Gauss points for the axial strain: with three, as it comes, stiff cables lock."""
+    from cabledyn import CableDyn
+
+    def build(n, step):
+        ends = (0, 0, HIGH), (given["span"], 0, HIGH)
+        options = dict(dtM=step, TMax=given["times"][-1], axial_quadrature=2)
+        return CableDyn(line(given, n, *ends, **options))
+
+    def march(model, n, step):
+        """CPU time of all steps and the places at the times asked for."""
+        led, shape = model.host_dofs(), model.lines[0]
+        (q, v, a), now, cpu, found = model.get_coupled_motion(), 0, 0.0, []
+        origin, turn = q[led].copy(), 2 * math.pi * given["frequency"]
+        way, rows = np.array(given["way"]), [round(n * place) for place in given["places"]]
+        for until in given["times"]:
+            begin = time.process_time()
+            while now < round(until / step):
+                now += 1
+                phase = turn * now * step
+                q[led] = origin + way * (math.cos(phase) - 1)
+                v[led], a[led] = -way * turn * math.sin(phase), -way * turn**2 * math.cos(phase)
+                model.step(step, q, v, a)
+            cpu += time.process_time() - begin
+            found.append((shape.node_positions()[rows] - [0, 0, HIGH]).tolist())
+        return cpu, found
+
+    for n in given["elements"]:
+        for step in given["steps"]:
+            times = []
+            while not times or (times[0] < LEAST and len(times) < REPEATS):
+                cpu, found = march(build(n, step), n, step)
+                times.append(cpu)
+            yield "CableDyn", n, "implicit", step, sorted(times)[len(times) // 2], found
+
+
+def lying(given):
+    """At rest on the ground of its sea; reading the file is in the time."""
+    from cabledyn import CableDyn
+
+    first, last = ((x, y, z - DEEP) for x, y, z in given["ends"])
+    for n in given["elements"]:
+        file = line(given, n, last, first, kbot=given["floor"])
+        cpu, found = timed(lambda: file, lambda made: CableDyn(made).lines[0].node_positions())
+        yield "CableDyn", n, "statics", 0.0, cpu, (found[::-1] + [0, 0, DEEP]).tolist()
+
+
 def main():
-    program = dict(exudyn=exudyn, elastica=elastica, mujoco=mujoco)[sys.argv[1]]
+    program = dict(exudyn=exudyn, elastica=elastica, mujoco=mujoco, cabledyn=cabledyn)[sys.argv[1]]
     runs = list(program(json.load(sys.stdin)))
     print("result: " + json.dumps(runs))
 

@@ -19,7 +19,8 @@ def store(made):
     for name, (value, check, how) in made.items():
         known[name] = dict(value=np.asarray(value).tolist(), check=float(check), made=how)
         print(f"{name}: differs by {check:.1e} from the coarser one", flush=True)
-    FILE.write_text(json.dumps(known, indent=1) + "\n")
+    lines = (f"{json.dumps(name)}: {json.dumps(entry)}" for name, entry in known.items())
+    FILE.write_text("{\n" + ",\n".join(lines) + "\n}\n")
 
 
 def check(name):

@@ -3,30 +3,24 @@
 import builtins
 import math
 
+import belt as drive
 import chains
 import numpy as np
+import pulley_study
 from yade import O, Vector3, utils, wrapper
-
-import ancf
-from ancf import pulleys
 
 from .measure import Row, timed
 
-# ---- parameters, SI units ------------------------------------------------------------------------
-RADIUS, DIAMETER = 0.05, 2e-3  # of the centreline on a sheave, of the cable [m]
-MU = 0.3
-
-WRAP = math.pi  # of the capstan [rad]
-SLIP = 0.1  # of the drum under the held cable [m/s]
-SPAN = 0.04  # of the cable on either side [m]
-CAPSTAN = dict(ea=2e4, rhoA=0.1, v0=1e-3, stiffness=1e6, dashpot=20.0, damping=2e-5)
+# ---- parameters, SI units; the rest is that of pulley_study.py and belt.py ---------------------------
+CAPSTAN = pulley_study.BASE
+RADIUS, DIAMETER = pulley_study.RADIUS, pulley_study.DIAMETER
+MU, WRAP = CAPSTAN["muStatic"], math.radians(CAPSTAN["theta"])
+SPAN = 0.04  # of chains on either side [m]
 LOAD = 1.0  # on the loose end [N]
 PULL, MEAN = 0.04, 0.5  # time of a run [s], part of it at whose end the tension is averaged
 SAMPLES = 200
 
-DISTANCE = 0.16  # of the belt's axles [m]
-BELT = dict(ea=5e3, rhoA=0.02, v0=1e-5, stiffness=3e5, dashpot=3.0, damping=5e-6)
-PRETENSION, SPEED, TORQUE, INERTIA = 20.0, 2.0, 0.3, 2e-4  # [N], [m/s], [N m], [kg m2]
+BELT = dict(distance=0.16, transition=1e-5, torque=-0.3)  # [m], [m/s], [N m]
 RUN = 0.16  # [s]; creep is that of its second half
 
 ANGLES = (30.0, 20.0, 15.0, 10.0)  # of wrap that an element takes [deg]
@@ -37,48 +31,6 @@ SETTLE = 0.3  # NewtonIntegrator.damping of chains, that rest but for their ring
 SOFT = 0.5  # of the critical step of chains, with the stiffness of a contact
 DRUM_YOUNG = 1e8  # of the ball that they run over [Pa]
 CHAINS = dict(grid="YADE grid chain", spheres="YADE sphere chain")
-
-
-def material(ea, rhoA, v0, stiffness, dashpot, damping):
-    area = math.pi * DIAMETER**2 / 4
-    O.materials.append(
-        ancf.HollarsMat(
-            label="cable",
-            young=ea / area,
-            density=rhoA / area,
-            poisson=0.3,
-            staticFriction=MU,
-            kineticFriction=MU,
-            transitionVelocity=v0,
-            normalStiffness=stiffness,
-            normalExponent=1.0,
-            dashpot=dashpot,
-        )
-    )
-
-
-def sheave(x):
-    return pulleys.sheave(
-        (x, 0, 0),
-        RADIUS - DIAMETER / 2,
-        width=6 * DIAMETER,
-        material="cable",
-        inertia=INERTIA,
-    )
-
-
-def laid(path, angle, tension, damping):
-    return pulleys.lay(
-        path,
-        round(path.length / (RADIUS * math.radians(angle))),
-        diameter=DIAMETER,
-        material="cable",
-        bending=0.0,
-        contactPoints=2,
-        damping=damping,
-        mass="lumped",
-        tension=tension,
-    )
 
 
 def recorded(duration, read):
@@ -100,26 +52,13 @@ def exact():
 
 
 def capstan(angle, part):
-    """The held cable over a drum that turns under it; rows of its pull."""
-    O.reset()
-    material(**CAPSTAN)
-    drum = sheave(0.0)
-    path = pulleys.Path(
-        [(drum, 1)], diameter=DIAMETER, start=(-RADIUS, 0, -SPAN), end=(RADIUS, 0, -SPAN)
-    )
-    cable = laid(
-        path,
-        angle,
-        lambda s: LOAD * math.exp(0.8 * MU * min(max((s - SPAN) / RADIUS, 0), WRAP)),
-        CAPSTAN["damping"],
-    )
-    cable.load(0, (0, 0, -LOAD))
+    """The held cable over a drum that turns under it; rows of its pull, number of elements."""
+    pulls = {**CAPSTAN, "elementAngle": angle}
+    cable, drum, _ = pulley_study.scene(LOAD, lambda phi: math.exp(0.8 * MU * phi), **pulls)
     cable.fix(-1)
-    engine = ancf.SheaveEngine()
-    engine.add(drum, speed=-SLIP / RADIUS)
-    O.engines = pulleys.engines(cable, engine, contact=dict(normal="linear"), substeps=1)
+    pulley_study.turn(cable, drum, -CAPSTAN["slip"] / RADIUS)
     O.dt = part * cable.criticalTimeStep()
-    return recorded(PULL, lambda: cable.reaction(-1).norm())
+    return recorded(PULL, lambda: cable.reaction(-1).norm()), len(cable.engine.length)
 
 
 def capstanChain(kind, angle):
@@ -152,7 +91,7 @@ def capstanChain(kind, angle):
     for m in O.materials:
         m.frictionAngle = math.atan(MU)
     ball = utils.sphere((0, 0, 0), RADIUS - own, material="outside", fixed=True)
-    ball.state.angVel = Vector3(0, -SLIP / RADIUS, 0)
+    ball.state.angVel = Vector3(0, -CAPSTAN["slip"] / RADIUS, 0)
     O.bodies.append(ball)
     made.load(0, (0, 0, -LOAD))
     if kind == "grid":
@@ -174,34 +113,27 @@ def capstanChain(kind, angle):
 
 
 def belt(angle, part):
-    """A belt on two sheaves, one led at a speed, one braked; rows of tensions and angles."""
-    O.reset()
-    material(**BELT)
-    ids = [sheave(x) for x in (0.0, DISTANCE)]
-    path = pulleys.Path([(i, 1) for i in ids], diameter=DIAMETER)
-    cable = laid(path, angle, PRETENSION, BELT["damping"])
-    cable.setVelocity(path.flow(SPEED))
-    engine = ancf.SheaveEngine()
-    for i, how in zip(ids, (dict(speed=SPEED / RADIUS), dict(torque=-TORQUE))):
-        O.bodies[i].state.angVel = Vector3(0, SPEED / RADIUS, 0)
-        engine.add(i, **how)
-    O.engines = pulleys.engines(cable, engine, contact=dict(normal="linear"), substeps=1)
+    """A belt on two sheaves, one led at a speed, one braked; rows of tensions and angles, number of
+    elements.
+    """
+    cable, _, engine = drive.build(elementAngle=angle, **BELT)
     O.dt = part * cable.criticalTimeStep()
-    return recorded(RUN, lambda: (O.time, *engine.angle, *spanTensions(cable)))
+    rows = recorded(RUN, lambda: (O.time, *engine.angle, *spanTensions(cable, **BELT)))
+    return rows, len(cable.engine.length)
 
 
-def spanTensions(cable):
+def spanTensions(cable, distance, **rest):
     """Mean tensions of the free spans above and below [N]."""
     points, tensions = cable.curve(2), cable.tensions(2)
-    free = (points[:, 0] > 0.25 * DISTANCE) & (points[:, 0] < 0.75 * DISTANCE)
-    return [tensions[free & (side * points[:, 2] > 0.6 * RADIUS)].mean() for side in (1, -1)]
+    free = (points[:, 0] > 0.25 * distance) & (points[:, 0] < 0.75 * distance)
+    return [tensions[free & (side * points[:, 2] > 0.6 * drive.RADIUS)].mean() for side in (1, -1)]
 
 
 def creepOff(rows):
     """Speed lost between the sheaves against v (T1 - T2)/EA, relative."""
     t, driver, driven, above, below = np.array(rows[len(rows) // 2 :]).T
-    lost = (np.polyfit(t, driver, 1)[0] - np.polyfit(t, driven, 1)[0]) * RADIUS
-    return abs(lost / (SPEED * abs(above.mean() - below.mean()) / BELT["ea"]) - 1)
+    lost = (np.polyfit(t, driver, 1)[0] - np.polyfit(t, driven, 1)[0]) * drive.RADIUS
+    return abs(lost / (drive.SPEED * abs(above.mean() - below.mean()) / drive.EA) - 1)
 
 
 # ---- the sweeps ----------------------------------------------------------------------------------
@@ -215,8 +147,8 @@ class Capstan:
             for part in PARTS[:1] if quick or angle < 15 else PARTS:
                 made = []
                 cpu = timed(lambda: made.append(capstan(angle, part)), PULL)
-                n = round((math.pi * RADIUS + 2 * SPAN) / (RADIUS * math.radians(angle)))
-                yield Row("ANCF lumped", n, "lumped", "leapfrog", O.dt, cpu, self.off(made[-1]))
+                rows, n = made[-1]
+                yield Row("ANCF lumped", n, "lumped", "leapfrog", O.dt, cpu, self.off(rows))
         for kind in CHAINS:
             for angle in FEW_LINKS[:1] if quick else LINKS:
                 made = []
@@ -236,8 +168,8 @@ class Belt:
         for angle in FEW_BELT_ANGLES if quick else BELT_ANGLES:
             made = []
             cpu = timed(lambda: made.append(belt(angle, PARTS[0])), RUN)
-            n = round(2 * (math.pi * RADIUS + DISTANCE) / (RADIUS * math.radians(angle)))
-            yield Row("ANCF lumped", n, "lumped", "leapfrog", O.dt, cpu, creepOff(made[-1]))
+            rows, n = made[-1]
+            yield Row("ANCF lumped", n, "lumped", "leapfrog", O.dt, cpu, creepOff(rows))
 
 
 CASES = {"capstan": Capstan(), "belt": Belt()}
