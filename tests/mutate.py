@@ -72,14 +72,14 @@ class Copy:
         targets += ["_ancf"] if len(targets) < len(tests) else []
         return run(["cmake", "--build", self.build, "--target", *targets], "build", must)
 
-    def passes(self, test):
+    def passes(self, test, must=False):
         """Whether a test passes. A C program is run as it is, pytest stops at the first failure."""
         if test.startswith("c:"):
-            return run([self.build / "tests" / "c" / f"test_{test[2:]}"], test)
+            return run([self.build / "tests" / "c" / f"test_{test[2:]}"], test, must)
         environment = {"OMP_WAIT_POLICY": "passive", **os.environ}  # other work goes on beside
         environment["PYTHONPATH"] = str(self.build / "python")
         command = [PYTHON, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *shlex.split(test)]
-        return run(command, test, cwd=self.source / "tests" / "yade", env=environment)
+        return run(command, test, must, cwd=self.source / "tests" / "yade", env=environment)
 
 
 def run(command, what, must=False, **options):
@@ -89,6 +89,8 @@ def run(command, what, must=False, **options):
             [str(c) for c in command], capture_output=True, text=True, timeout=TIME, **options
         )
     except subprocess.TimeoutExpired:
+        if must:
+            sys.exit(f"{what} takes more than {TIME} s without any change")
         return False
     if must and done.returncode:
         sys.exit(f"{what} fails without any change:\n{done.stdout[-4000:]}{done.stderr[-4000:]}")
@@ -102,8 +104,7 @@ def verdict(copy, entry, sound):
     for test in entry["tests"]:
         if test not in sound:
             copy.make([test], must=True)
-            if not copy.passes(test):
-                sys.exit(f"{test} fails without any change")
+            copy.passes(test, must=True)
             sound.add(test)
         path.write_text(good.replace(entry["text"], entry["becomes"]))
         try:

@@ -183,3 +183,31 @@ def test_area_follows_the_net(soft):
     shoelace = 0.5 * abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
     assert net.mouthArea() == pytest.approx(shoelace, rel=1e-12)
     assert shoelace > 2.5 * math.sin(math.radians(72))
+
+
+@pytest.mark.parametrize("mass", ["consistent", "lumped"])
+def test_reactions_while_something_is_hit(soft, mass):
+    """What holds a cable is the change of momentum of it and of the ball that flies into it."""
+    c = ancf.Cable([(0, 0, 0), (0.2, 0, 0)], 2, diameter=1e-3, material="soft", mass=mass)
+    c.fix(0)
+    c.fix(-1)
+    number = ball((0.07, 0, 0.0106), 0.01, mass=1e-3, material="soft")
+    state = O.bodies[number].state
+    state.vel = Vector3(0.3, 0, -1)
+    O.engines = ancf.engines(c)
+    steps(1)
+
+    def momentum():
+        return np.array(c.engine.momentum()[0]) + 1e-3 * np.array(list(state.vel))
+
+    before, forces, changes, touched = momentum(), [], [], 0
+    for _ in range(400):
+        O.step()
+        after = momentum()
+        forces.append(np.array(list(c.reaction(0) + c.reaction(-1))))
+        changes.append((after - before) / O.dt)
+        before, touched = after, touched + c.engine.contacts
+    assert touched > 20
+    largest = np.abs(forces).max()
+    assert largest > 1e-3
+    assert np.abs(np.array(forces) - changes).max() < 1e-6 * largest
