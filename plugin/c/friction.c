@@ -237,6 +237,7 @@ static void take_back(ancf_table* t, const ancf_contact_group* g, double step) {
     for (int k = g->first[ANCF_CONTACTS]; k < g->end[ANCF_CONTACTS]; ++k) {
         const int i = t->groups.list[ANCF_CONTACTS][k];
         t->drag[i].listed = !rubs(&t->contact[i]);
+        t->drag[i].number = -1;
         if (t->drag[i].listed) finish(t, &t->contact[i], (double[3]) {0.0, 0.0, 0.0}, step);
     }
 }
