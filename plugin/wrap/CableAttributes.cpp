@@ -208,6 +208,19 @@ namespace {
     }
 
     // What the next step remembers of contacts between cables, and the watch over it.
+    void checkSections(const Attributes& all, const CableEngine& c) {
+        const size_t n = c.sectionMaterials.size();
+        all.size("sections", c.sections, 2 * n, "two for each of sectionMaterials");
+        all.size("sectionBends", c.sectionBends, n, "one for each of sectionMaterials");
+        all.size("sectionYoung", c.sectionYoung, n, "one for each of sectionMaterials");
+        all.size("sectionDensity", c.sectionDensity, n, "one for each of sectionMaterials");
+        all.within("sections", c.sections, 0, c.nElements() + 1, "elements, first and end");
+        all.within("sectionBends", c.sectionBends, 0, 2, "no or yes");
+        const auto positive = [](Real value) { return finite(value) && value > 0; };
+        all.each("sectionYoung", c.sectionYoung, positive, "finite and above 0 [Pa]");
+        all.each("sectionDensity", c.sectionDensity, positive, "finite and above 0 [kg/m³]");
+    }
+
     void checkMemory(const Attributes& all, const CableEngine& c) {
         const size_t n = c.crossPairs.size() / 3;
         all.size("crossPairs", c.crossPairs, 3 * n, "three for each contact");
@@ -226,6 +239,7 @@ void CableEngine::checkAttributes() const {
     checkCovers(all, *this);
     checkTies(all, *this);
     checkHolds(all, *this);
+    checkSections(all, *this);
     checkMemory(all, *this);
 }
 

@@ -9,6 +9,7 @@
 #include "CableEngine.hpp"
 
 #include "CableNodes.hpp"
+#include "Drive.hpp"
 #include "text.hpp"
 
 extern "C" {
@@ -25,6 +26,7 @@ namespace {
     constexpr Real interval = 100;    // steps between two looks at the energy, at most
     constexpr Real part = .2;         // of the tolerance: what contacts may exchange between two looks
     constexpr Real rounding = 1e-9;   // part of the potential of gravity that may be
+    constexpr Real blow = .1;         // part of its speed by which a drive may change it in a step
     constexpr Real negligible = 1e-6; // strain with whose energy the scale starts
 
     // What CableEngine.balance holds.
@@ -163,6 +165,11 @@ void CableEngine::judgeBalance(Real found) {
     if (!lossesKnown()) amount -= integrator == "leapfrog" ? std::min(b[LOWEST], off) : std::min(off, 0.);
     if (!std::isfinite(off)) return; // watch() names what is not
     if (std::abs(amount) <= most && std::abs(contacts) <= most) return;
+    try {
+        check(); // names what was edited, if that is the reason
+    } catch (const std::invalid_argument& error) {
+        throw std::runtime_error(error.what());
+    }
     const bool byContacts = std::abs(contacts) > std::abs(amount) / 2;
     if (std::abs(amount) <= most) amount = contacts;
     int element = 0;
@@ -177,6 +184,21 @@ void CableEngine::judgeBalance(Real found) {
 }
 
 // ---------------------------------------------------------------- booked in steps
+
+// A drive that starts at a speed gives a blow to what hangs on it, of which not all arrives as work: the sum begins anew.
+void CableEngine::noteDrives() {
+    if (!anyCoupled) return;
+    const bool known = drivenBefore.size() == carryIds.size();
+    drivenBefore.resize(carryIds.size(), Vector3r::Zero());
+    for (size_t i = 0; i < carryIds.size(); ++i) {
+        const Vector3r now = (*scene->bodies)[carryIds[i]]->state->vel;
+        const Real jump = (now - drivenBefore[i]).norm();
+        if (known && carrierOf(carryIds[i]) < 0 && jump > blow * std::max(now.norm(), drivenBefore[i].norm()) &&
+            placedByDrive(*scene, *(*scene->bodies)[carryIds[i]]))
+            balanceGoesOn = false;
+        drivenBefore[i] = now;
+    }
+}
 
 // Nodes that something does work on, as they are before a step.
 void CableEngine::noteWorked() {

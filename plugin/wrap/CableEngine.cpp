@@ -95,7 +95,7 @@ void CableEngine::forget() {
           &tiedNodes, &tiedTo,     &crossPairs,  &carrierOfBody, &standsFor, &driven,
           &sections, &sectionMaterials, &sectionBends})
         vector<int>().swap(*list);
-    for (vector<Vector3r>* list : {&followAt, &carryAt, &loads, &carryReaction, &carriedForce})
+    for (vector<Vector3r>* list : {&followAt, &carryAt, &loads, &carryReaction, &carriedForce, &drivenBefore})
         vector<Vector3r>().swap(*list);
     for (auto* list : {&carried, &followed}) vector<Held>().swap(*list);
     vector<Shown>().swap(elementBodies);

@@ -72,6 +72,7 @@ class CableEngine : public GlobalEngine {
         Vector3r before;   // its velocity [m/s]
     };
     vector<Worked> worked;
+    vector<Vector3r> drivenBefore; // (carryNodes) velocities of their bodies in the step before [m/s]
     bool balanced = false, balanceGoesOn = false; // sums are those of this model; and what they began with
     bool pairsChecked = false, partnersChecked = false;
     struct Looked {
@@ -169,6 +170,7 @@ class CableEngine : public GlobalEngine {
     bool lossesKnown() const;
     void lookAtBalance(const ancf_time& time);
     void judgeBalance(Real found);
+    void noteDrives();
     void noteWorked();
     Vector3r forceOf(const Worked& one) const;
     void bookWorked(const ancf_time& time);

@@ -255,7 +255,10 @@ void CableEngine::getReady() {
         } else {
             checkBodies();
             if (around) checkSurroundings();
-            if (known != static_cast<Body::id_t>(scene->bodies->size())) CableCheck(*this).partners(known);
+            if (known != static_cast<Body::id_t>(scene->bodies->size())) {
+                CableCheck(*this).partners(known);
+                balanceGoesOn = false; // what is new may press from the start
+            }
             if (around || known != static_cast<Body::id_t>(scene->bodies->size())) checkIntegrator();
             if (heldBodiesChanged()) build();
             if (++sinceChecked >= checkInterval) {

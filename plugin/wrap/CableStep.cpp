@@ -298,6 +298,7 @@ void CableEngine::action() {
     model->track = scene->trackEnergy;
     takeGravity();
     watch();
+    noteDrives();
     const int inside = stepsInside();
 
     holdNodes();
