@@ -185,7 +185,8 @@ void CableEngine::judgeBalance(Real found) {
 
 // ---------------------------------------------------------------- booked in steps
 
-// A drive that starts at a speed gives a blow to what hangs on it, of which not all arrives as work: the sum begins anew.
+// A drive that starts at a speed gives a blow to what hangs on it, of which not all arrives as work: the sum begins
+// anew.
 void CableEngine::noteDrives() {
     if (!anyCoupled) return;
     const bool known = drivenBefore.size() == carryIds.size();

@@ -36,7 +36,7 @@ class CableCheck {
 public:
     explicit CableCheck(const CableEngine& cable); // refuses bodies that were erased
 
-    bool mayMeet(const Body& body) const;     // a cable, or a sphere that a knot carries
+    bool mayMeet(const Body& body) const;      // a cable, or a sphere that a knot carries
     void others() const;                       // no cable of another engine, nor what it carries
     void partners(Body::id_t first) const;     // bodies from a number on
     void implicit() const;                     // what implicit steps cannot carry; invalid_argument

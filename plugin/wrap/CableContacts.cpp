@@ -135,8 +135,8 @@ void CableContacts::mixLaws(const CableEngine& cable) {
         phys.normalKind = cable.normalKind;
         phys.frictionKind = cable.frictionKind;
         if (const string fault = lawFault(phys, first.get(), second.get(), 1); !fault.empty())
-            cable.refuse(text("the contact of its cables of materials '", first->label, "' and '", second->label,
-                              "': ", fault));
+            cable.refuse(
+                text("the contact of its cables of materials '", first->label, "' and '", second->label, "': ", fault));
         laws[i] = {phys.normalLaw(), phys.frictionLaw()};
     }
     edition = MaterialWatch::instance().edition();

@@ -47,10 +47,10 @@ class CableContacts {
     };
     shared_ptr<std::atomic<bool>> inUse {new std::atomic<bool>(false)}; // what is shown, by functors of this step
     shared_ptr<CableView> shown {new CableView(inUse)};
-    vector<shared_ptr<CableView>> views;     // shown before, to those who may read them still
+    vector<shared_ptr<CableView>> views;       // shown before, to those who may read them still
     vector<std::shared_ptr<const void>> parts; // that those point to
-    vector<int> awake;     // elements whose bodies are in interactions
-    vector<Entry> entries; // by number of the body in the table
+    vector<int> awake;                         // elements whose bodies are in interactions
+    vector<Entry> entries;                     // by number of the body in the table
     vector<Row> rows;
     vector<int> entryOfBody;   // (bodies) number in the table if that of `stamp` is `gathered`
     vector<long> stamp;        // (bodies)
@@ -99,7 +99,7 @@ public:
     void gather(CableEngine& cable);
     void solve(CableEngine& cable, const ancf_time& time, int step, int steps); // one of the cable's in O.dt
     void give(CableEngine& cable, const ancf_time& time);
-    void look(CableEngine& cable);                             // after the step: do the boxes hold?
+    void look(CableEngine& cable);                               // after the step: do the boxes hold?
     void recall(vector<int>& pairs, vector<Real>& values) const; // what the next step remembers
     void remember(const vector<int>& pairs, const vector<Real>& values);
 
@@ -115,7 +115,7 @@ public:
     };
     Energies energies() const;
     void noteFullest();
-    Real found() const;                  // of these alone
+    Real found() const;                               // of these alone
     void impulseOn(Vector3r& impulse, int dof) const; // of contacts on an unknown, in the cable's last step [N s]
     string mostFound() const; // name of the contact with the largest part of it in this step or the last; "": none
     Real lift() const { return lifted; } // of bodies, besides what their velocities do in a step [J]

@@ -86,14 +86,15 @@ void CableEngine::forget() {
     changed();
     touching = CableContacts();
     home.reset();
-    for (vector<Real>* list : {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &radius,
-                               &arc, &closed, &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
+    for (vector<Real>* list :
+         {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &radius, &arc, &closed,
+          &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
         vector<Real>().swap(*list);
-    for (vector<int>* list :
-         {&ends,      &next,       &kind,        &elementIds,    &segments,  &points,     &structure, &selfContact,
-          &run,       &fixedNodes, &clampedEnds, &followNodes,   &followIds, &carryNodes, &carryIds,  &loadNodes,
-          &tiedNodes, &tiedTo,     &crossPairs,  &carrierOfBody, &standsFor, &driven,
-          &sections, &sectionMaterials, &sectionBends})
+    for (vector<int>* list : {&ends,        &next,          &kind,      &elementIds, &segments,    &points,
+                              &structure,   &selfContact,   &run,       &fixedNodes, &clampedEnds, &followNodes,
+                              &followIds,   &carryNodes,    &carryIds,  &loadNodes,  &tiedNodes,   &tiedTo,
+                              &crossPairs,  &carrierOfBody, &standsFor, &driven,     &sections,    &sectionMaterials,
+                              &sectionBends})
         vector<int>().swap(*list);
     for (vector<Vector3r>* list : {&followAt, &carryAt, &loads, &carryReaction, &carriedForce, &drivenBefore})
         vector<Vector3r>().swap(*list);

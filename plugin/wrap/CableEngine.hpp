@@ -61,18 +61,18 @@ class CableEngine : public GlobalEngine {
     int sinceChecked = 0;                // steps, for what is looked at from time to time
     boost::weak_ptr<Scene> home;         // the scene it was last made ready in
     vector<Vector3r> carriedForce;       // (carryNodes) on the body, without the cable [N]
-    mutable bool sound = true;     // false: attributes came from outside that checkAttributes() has not let pass
+    mutable bool sound = true;           // false: attributes came from outside that checkAttributes() has not let pass
     bool anyCoupled = false;
     bool loaded = false; // forces may stand in model->external
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
-    struct Worked { // a node that something does work on in a step
+    struct Worked {                                  // a node that something does work on in a step
         int node, carried; // number in carryNodes if that is a force on the body there, or -1: what leads it
         Vector3r before;   // its velocity [m/s]
     };
     vector<Worked> worked;
-    vector<Vector3r> drivenBefore; // (carryNodes) velocities of their bodies in the step before [m/s]
+    vector<Vector3r> drivenBefore;                // (carryNodes) velocities of their bodies in the step before [m/s]
     bool balanced = false, balanceGoesOn = false; // sums are those of this model; and what they began with
     bool pairsChecked = false, partnersChecked = false;
     struct Looked {
