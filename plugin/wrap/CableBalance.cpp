@@ -9,7 +9,6 @@
 #include "CableEngine.hpp"
 
 #include "CableNodes.hpp"
-#include "Drive.hpp"
 #include "text.hpp"
 
 extern "C" {
@@ -26,7 +25,6 @@ namespace {
     constexpr Real interval = 100;    // steps between two looks at the energy, at most
     constexpr Real part = .2;         // of the tolerance: what contacts may exchange between two looks
     constexpr Real rounding = 1e-9;   // part of the potential of gravity that may be
-    constexpr Real blow = .1;         // part of its speed by which a drive may change it in a step
     constexpr Real negligible = 1e-6; // strain with whose energy the scale starts
 
     // What CableEngine.balance holds.
@@ -185,19 +183,21 @@ void CableEngine::judgeBalance(Real found) {
 
 // ---------------------------------------------------------------- booked in steps
 
-// A drive that starts at a speed gives a blow to what hangs on it, of which not all arrives as work: the sum begins
-// anew.
-void CableEngine::noteDrives() {
-    if (!anyCoupled) return;
-    const bool known = drivenBefore.size() == carryIds.size();
-    drivenBefore.resize(carryIds.size(), Vector3r::Zero());
-    for (size_t i = 0; i < carryIds.size(); ++i) {
-        const Vector3r now = (*scene->bodies)[carryIds[i]]->state->vel;
-        const Real jump = (now - drivenBefore[i]).norm();
-        if (known && carrierOf(carryIds[i]) < 0 && jump > blow * std::max(now.norm(), drivenBefore[i].norm()) &&
-            placedByDrive(*scene, *(*scene->bodies)[carryIds[i]]))
-            balanceGoesOn = false;
-        drivenBefore[i] = now;
+// Velocities of nodes that are fastened to bodies off their centres, before a step.
+void CableEngine::noteFastened() {
+    fastened.clear();
+    if (!anyCoupled || !balanced) return;
+    for (size_t i = 0; i < carryIds.size(); ++i)
+        if (carrierOf(carryIds[i]) < 0) fastened.push_back({i, nodeOf(model->v, model->stride, carryNodes[i])});
+}
+
+// The table's work on a body goes with what moves it before the cable does; the node's way goes with its own mean.
+void CableEngine::bookFastened(const ancf_time& time) {
+    for (const Fastened& one : fastened) {
+        const Body::id_t id = carryIds[one.carried];
+        const Vector3r arm = (*scene->bodies)[id]->state->ori * carryAt[one.carried];
+        const Vector3r change = touching.velocityBefore(id, arm) - one.before;
+        balance[GIVEN] += ancf_kick(&time) / 2 * carryReaction[one.carried].dot(change);
     }
 }
 

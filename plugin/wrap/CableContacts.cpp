@@ -284,9 +284,11 @@ void CableContacts::addContact(const CableEngine& cable, const Interaction& cont
     followMaterials(*phys, *cable.scene, contact);
     phys->normalKind = cable.normalKind;
     phys->frictionKind = cable.frictionKind;
-    if (const string fault = lawFault(*phys, nullptr, nullptr, std::numeric_limits<Real>::quiet_NaN()); !fault.empty())
-        refuse(fault);
     const Body &first = *(*cable.scene->bodies)[contact.getId1()], &second = *(*cable.scene->bodies)[contact.getId2()];
+    if (const string fault =
+            lawFault(*phys, first.material.get(), second.material.get(), std::numeric_limits<Real>::quiet_NaN());
+        !fault.empty())
+        refuse(fault);
     const ancf_model* m = cable.theModel();
     Row row {geom, phys, ancf_table_contacts(table.get()), 0, contact.getId1(), contact.getId2()};
     for (size_t i = 0; i < geom->xi.size(); ++i) {
@@ -629,6 +631,11 @@ string CableContacts::mostFound() const {
         }
     if (number >= 0) return nameOf(pairOf(number));
     return fullest.first >= 0 ? nameOf(fullest) : string();
+}
+
+Vector3r CableContacts::velocityBefore(Body::id_t id, const Vector3r& arm) const {
+    const Real* before = ancf_table_body(table.get(), entryOfBody[id])->before;
+    return vectorOf(before) + vectorOf(before + 3).cross(arm);
 }
 
 void CableContacts::impulseOn(Vector3r& impulse, int dof) const {

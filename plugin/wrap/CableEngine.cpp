@@ -96,12 +96,13 @@ void CableEngine::forget() {
                               &crossPairs,  &carrierOfBody, &standsFor, &driven,     &sections,    &sectionMaterials,
                               &sectionBends})
         vector<int>().swap(*list);
-    for (vector<Vector3r>* list : {&followAt, &carryAt, &loads, &carryReaction, &carriedForce, &drivenBefore})
+    for (vector<Vector3r>* list : {&followAt, &carryAt, &loads, &carryReaction, &carriedForce})
         vector<Vector3r>().swap(*list);
     for (auto* list : {&carried, &followed}) vector<Held>().swap(*list);
     vector<Shown>().swap(elementBodies);
     vector<Looked>().swap(lookedAt);
     vector<Worked>().swap(worked);
+    forgotten = true;
     nNodes = kickedNodes = kickedElements = 0;
     lastStep = 0;
 }

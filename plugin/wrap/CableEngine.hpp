@@ -63,7 +63,8 @@ class CableEngine : public GlobalEngine {
     vector<Vector3r> carriedForce;       // (carryNodes) on the body, without the cable [N]
     mutable bool sound = true;           // false: attributes came from outside that checkAttributes() has not let pass
     bool anyCoupled = false;
-    bool loaded = false; // forces may stand in model->external
+    bool forgotten = false; // its scene is gone
+    bool loaded = false;    // forces may stand in model->external
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
@@ -72,7 +73,11 @@ class CableEngine : public GlobalEngine {
         Vector3r before;   // its velocity [m/s]
     };
     vector<Worked> worked;
-    vector<Vector3r> drivenBefore;                // (carryNodes) velocities of their bodies in the step before [m/s]
+    struct Fastened {    // a node on a body off its centre
+        size_t carried;  // number in carryNodes
+        Vector3r before; // its velocity [m/s]
+    };
+    vector<Fastened> fastened;
     bool balanced = false, balanceGoesOn = false; // sums are those of this model; and what they began with
     bool pairsChecked = false, partnersChecked = false;
     struct Looked {
@@ -170,7 +175,8 @@ class CableEngine : public GlobalEngine {
     bool lossesKnown() const;
     void lookAtBalance(const ancf_time& time);
     void judgeBalance(Real found);
-    void noteDrives();
+    void noteFastened();
+    void bookFastened(const ancf_time& time);
     void noteWorked();
     Vector3r forceOf(const Worked& one) const;
     void bookWorked(const ancf_time& time);

@@ -87,6 +87,8 @@ void CableEngine::build() {
 
 void CableEngine::makeReady() {
     atHome();
+    if (forgotten && nNodes == 0)
+        refuse("its cables belong to a scene that O.reset() or O.load() has taken away: make a new one");
     needSound();
     checkScene();
     checkBodies();
@@ -205,6 +207,7 @@ void CableEngine::stepExplicit(int inside) {
     const bool look = balanceDue(), measured = look || scene->trackEnergy;
     const bool alone = !touching.begin(*this, inside) && !measured && integrator == "leapfrog";
     Real dampedBefore = 0; // the positions that the step starts from
+    noteFastened();
     for (int k = 0; k < inside; ++k) {
         const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
         if (!alone) ancf_predict(model.get(), &time);
@@ -227,6 +230,7 @@ void CableEngine::stepExplicit(int inside) {
         if (!worked.empty()) bookWorked(time);
         if (k == 0) dampedBefore = model->damping_half;
         if (k == inside - 1) touching.give(*this, time);
+        if (k == inside - 1) bookFastened(time);
         lastStep = time.step;
     }
     model->damping_half = dampedBefore;
@@ -298,7 +302,6 @@ void CableEngine::action() {
     model->track = scene->trackEnergy;
     takeGravity();
     watch();
-    noteDrives();
     const int inside = stepsInside();
 
     holdNodes();

@@ -71,7 +71,7 @@ EDITS = {
         lambda: set_(
             [*O.engines[:4], wrapper.CableEngine(**find("CableEngine").dict()), *O.engines[4:]]
         ),
-        "two CableEngines of family 1",
+        "two CableEngines of family",
     ),
     "newton removed": (lambda: set_(without("NewtonIntegrator")), "no NewtonIntegrator"),
     "newton dead": (lambda: kill("NewtonIntegrator"), "NewtonIntegrator in O.engines is dead"),
