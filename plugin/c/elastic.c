@@ -6,14 +6,19 @@
 
 #include <math.h>
 
+// Where a field has the forces on a tile's slopes.
+static void put_slopes(ancf_fields* k, const ancf_model* m, const ancf_tile* t, double* field) {
+    for (int c = 0; c < 3; ++c) {
+        k->f0[c] = field + c * m->stride + m->n_nodes + t->begin;
+        k->f1[c] = k->f0[c] + m->n_elements;
+    }
+}
+
 void ancf_elastic_force(ancf_model* m, double* force, const double* x, const double* v) {
     double way[3][ANCF_TILE], wayv[3][ANCF_TILE];
     for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
         ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
-        for (int c = 0; c < 3; ++c) {
-            k.f0[c] = force + c * m->stride + m->n_nodes + t->begin;
-            k.f1[c] = k.f0[c] + m->n_elements;
-        }
+        put_slopes(&k, m, t, force);
         ancf_kernel(&k, t->kind, t->bending, t->damped);
     }
     ancf_tile_gather(force, m, 0, m->n_nodes);
@@ -60,11 +65,8 @@ static bool slows(const ancf_tile* t) { return t->damped || t->kind & ANCF_SPRIN
 
 // Kelvin-Voigt forces of a tile in m->work: those on slopes where a field has them, those on nodes behind the field.
 static void find_books(ancf_fields* k, const ancf_model* m, const ancf_tile* t) {
-    for (int c = 0; c < 3; ++c) {
-        k->f0[c] = m->work + c * m->stride + m->n_nodes + t->begin;
-        k->f1[c] = k->f0[c] + m->n_elements;
-        k->fd[c] = m->work + 3 * m->stride + c * m->n_elements + t->begin;
-    }
+    put_slopes(k, m, t, m->work);
+    for (int c = 0; c < 3; ++c) k->fd[c] = m->work + 3 * m->stride + c * m->n_elements + t->begin;
 }
 
 void ancf_elastic_force_booked(ancf_books* books, ancf_model* m, double* force, const double* x, const double* v) {
@@ -73,10 +75,7 @@ void ancf_elastic_force_booked(ancf_books* books, ancf_model* m, double* force, 
     books->power = 0.0;
     for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
         ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
-        for (int c = 0; c < 3; ++c) {
-            k.f0[c] = force + c * m->stride + m->n_nodes + t->begin;
-            k.f1[c] = k.f0[c] + m->n_elements;
-        }
+        put_slopes(&k, m, t, force);
         ancf_kernel(&k, t->kind, t->bending, t->damped);
         find_books(&k, m, t);
         ancf_kernel_books(&one, &k, t->kind, t->bending, slows(t));

@@ -207,7 +207,6 @@ namespace {
                            ", which is in tiedNodes: must be the one that stands for it");
     }
 
-    // What the next step remembers of contacts between cables, and the watch over it.
     void checkSections(const Attributes& all, const CableEngine& c) {
         const size_t n = c.sectionMaterials.size();
         all.size("sections", c.sections, 2 * n, "two for each of sectionMaterials");
@@ -221,6 +220,7 @@ namespace {
         all.each("sectionDensity", c.sectionDensity, positive, "finite and above 0 [kg/m³]");
     }
 
+    // What the next step remembers: contacts between cables, and the watches over it.
     void checkMemory(const Attributes& all, const CableEngine& c) {
         const size_t n = c.crossPairs.size() / 3;
         all.size("crossPairs", c.crossPairs, 3 * n, "three for each contact");

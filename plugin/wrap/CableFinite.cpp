@@ -89,10 +89,6 @@ void CableEngine::tellBody(const Body& body) const {
 // A node's position is not finite: tells where that came from, if it can be seen.
 void CableEngine::tellNode() const {
     const Scene& s = theScene();
-    if (!gravity.allFinite()) refuse(text("NewtonIntegrator.gravity = ", valueOf(gravity), ": must be finite"));
-    for (size_t i = 0; i < loadNodes.size(); ++i)
-        if (!loads[i].allFinite())
-            refuse(text("the load on node ", loadNodes[i], " is ", valueOf(loads[i]), ": must be finite"));
     for (const Looked& one : lookedAt)
         if (s.bodies->exists(one.id)) tellBody(*(*s.bodies)[one.id]);
     int first = -1, last = -1;

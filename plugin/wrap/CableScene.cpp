@@ -52,7 +52,6 @@ void CableEngine::checkSurroundings() const {
 void CableEngine::check() {
     const SceneCheck scenes(theScene());
     scenes.engines();
-    checkScene();
     const CableCheck mine(*this);
     mine.others();
     mine.partners(0);

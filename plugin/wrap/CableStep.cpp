@@ -229,8 +229,10 @@ void CableEngine::stepExplicit(int inside) {
         }
         if (!worked.empty()) bookWorked(time);
         if (k == 0) dampedBefore = model->damping_half;
-        if (k == inside - 1) touching.give(*this, time);
-        if (k == inside - 1) bookFastened(time);
+        if (k == inside - 1) {
+            touching.give(*this, time);
+            bookFastened(time);
+        }
         lastStep = time.step;
     }
     model->damping_half = dampedBefore;

@@ -40,6 +40,36 @@ const NewtonIntegrator* newtonOf(const Scene& scene) {
     return nullptr;
 }
 
+void Drive::needSound() const {
+    if (sound) return;
+    checkLists();
+    sound = true;
+}
+
+void Drive::takeLists() {
+    sound = false;
+    needSound();
+    const vector<Body::id_t>& ids = bodies();
+    for (size_t i = 0; i < ids.size(); ++i)
+        if (ids[i] >= static_cast<int>(numberOfBody.size()) || numberOfBody[ids[i]] != static_cast<int>(i))
+            preparedIter = -1; // other bodies
+    if (preparedIter < 0) numberOfBody.clear();
+}
+
+void Drive::numberBodies(const Scene& scene) {
+    const vector<Body::id_t>& ids = bodies();
+    numberOfBody.assign(scene.bodies->size(), -1);
+    for (size_t i = 0; i < ids.size(); ++i) numberOfBody[ids[i]] = static_cast<int>(i);
+}
+
+bool Drive::prepared(const Scene& scene) const {
+    return preparedIter == scene.iter && numberOfBody.size() == scene.bodies->size();
+}
+
+int Drive::numberOf(const Body& body) const {
+    return sound && body.id < static_cast<int>(numberOfBody.size()) ? numberOfBody[body.id] : -1;
+}
+
 void checkDriven(const Scene& scene, Body::id_t id, const string& name) {
     if (!scene.bodies->exists(id)) throw std::invalid_argument(name + " does not exist");
     const Body& body = *(*scene.bodies)[id];

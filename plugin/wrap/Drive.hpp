@@ -21,6 +21,19 @@ class InteractionLoop;
 class NewtonIntegrator;
 
 class Drive {
+    mutable bool sound = true; // false: lists came from outside that checkLists() has not let pass
+    vector<int> numberOfBody;  // (bodies) or -1; found anew where `preparedIter` is -1
+
+protected:
+    long preparedIter = -1;
+
+    virtual void checkLists() const = 0;
+    void needSound() const; // nothing if they passed
+    void takeLists();       // that came from outside
+    void numberBodies(const Scene& scene);
+    bool prepared(const Scene& scene) const; // in this step
+    int numberOf(const Body& body) const;    // in bodies(), or -1
+
 public:
     virtual ~Drive() = default;
 

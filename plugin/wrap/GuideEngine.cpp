@@ -64,24 +64,7 @@ void GuideEngine::checkLists() const {
         "0 (slides), 1 (by friction), 2 (at the upper stop) or -2 (at the lower one)");
 }
 
-void GuideEngine::needSound() const {
-    if (sound) return;
-    checkLists();
-    sound = true;
-}
-
-void GuideEngine::postLoad(GuideEngine&) {
-    sound = false;
-    needSound();
-    for (size_t i = 0; i < ids.size(); ++i)
-        if (ids[i] >= static_cast<int>(numberOfBody.size()) || numberOfBody[ids[i]] != static_cast<int>(i))
-            preparedIter = -1; // other bodies
-    if (preparedIter < 0) numberOfBody.clear();
-}
-
-int GuideEngine::numberOf(const Body& body) const {
-    return sound && body.id < static_cast<int>(numberOfBody.size()) ? numberOfBody[body.id] : -1;
-}
+void GuideEngine::postLoad(GuideEngine&) { takeLists(); }
 
 int GuideEngine::number(Body::id_t id) const {
     needSound();
@@ -193,12 +176,11 @@ void GuideEngine::check() {
             refuse(i, text("state.vel = (", state.vel[0], ", ", state.vel[1], ", ", state.vel[2],
                            "): must be finite, and below 1e100 [m/s]"));
     }
-    numberOfBody.assign(scene->bodies->size(), -1);
-    for (size_t i = 0; i < ids.size(); ++i) numberOfBody[ids[i]] = static_cast<int>(i);
+    numberBodies(*scene);
 }
 
 void GuideEngine::prepare(Scene& s) {
-    if (preparedIter == s.iter && numberOfBody.size() == s.bodies->size()) return;
+    if (prepared(s)) return;
     scene = &s;
     check();
     vector<Real> distances;

@@ -18,17 +18,12 @@ namespace yade {
 
 class GuideEngine : public GlobalEngine, public Drive {
     Schedules motions;
-    vector<int> numberOfBody;  // (bodies) or -1
-    mutable bool sound = true; // false: lists came from outside that checkLists() has not let pass
     Vector3r gravity = Vector3r::Zero();
-    long preparedIter = -1;
     int workIx = -1, lossIx = -1;
 
     [[noreturn]] void refuse(size_t i, const string& text) const;
-    int numberOf(const Body& body) const;
     Real place(size_t i) const;
-    void checkLists() const;
-    void needSound() const; // nothing if they passed
+    void checkLists() const override;
     void check();
     void resize();
     void slide(size_t i);

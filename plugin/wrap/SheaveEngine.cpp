@@ -60,24 +60,7 @@ void SheaveEngine::checkLists() const {
     all.finiteEach("load", load);
 }
 
-void SheaveEngine::needSound() const {
-    if (sound) return;
-    checkLists();
-    sound = true;
-}
-
-void SheaveEngine::postLoad(SheaveEngine&) {
-    sound = false;
-    needSound();
-    for (size_t i = 0; i < ids.size(); ++i)
-        if (ids[i] >= static_cast<int>(numberOfBody.size()) || numberOfBody[ids[i]] != static_cast<int>(i))
-            preparedIter = -1; // other bodies
-    if (preparedIter < 0) numberOfBody.clear();
-}
-
-int SheaveEngine::numberOf(const Body& body) const {
-    return sound && body.id < static_cast<int>(numberOfBody.size()) ? numberOfBody[body.id] : -1;
-}
+void SheaveEngine::postLoad(SheaveEngine&) { takeLists(); }
 
 int SheaveEngine::number(Body::id_t id) const {
     needSound();
@@ -183,12 +166,11 @@ void SheaveEngine::check() {
         if (scripted[i] && !(scripted[i] == speedScript ? speeds : torques).has(static_cast<int>(i)))
             refuse(i, "its Python function of time is not saved with a scene: set it again");
     }
-    numberOfBody.assign(scene->bodies->size(), -1);
-    for (size_t i = 0; i < ids.size(); ++i) numberOfBody[ids[i]] = static_cast<int>(i);
+    numberBodies(*scene);
 }
 
 void SheaveEngine::prepare(Scene& s) {
-    if (preparedIter == s.iter && numberOfBody.size() == s.bodies->size()) return;
+    if (prepared(s)) return;
     scene = &s;
     check();
     vector<Real> values;

@@ -18,18 +18,13 @@ namespace yade {
 
 class SheaveEngine : public GlobalEngine, public Drive {
     Schedules speeds, torques;
-    vector<int> numberOfBody;  // (bodies) or -1
-    mutable bool sound = true; // false: lists came from outside that checkLists() has not let pass
-    long preparedIter = -1;
     int workIx = -1, lossIx = -1;
 
     [[noreturn]] void refuse(size_t i, const string& text) const;
     bool prescribed(size_t i) const { return scripted[i] == 1 || speed[i] == speed[i]; }
     ancf_rotor rotor(const State& state, size_t i) const { return {state.inertia[2], viscous[i], dry[i]}; }
     Vector3r axis(const State& state) const;
-    int numberOf(const Body& body) const;
-    void checkLists() const;
-    void needSound() const; // nothing if they passed
+    void checkLists() const override;
     void check();
     void resize();
     void turn(size_t i);

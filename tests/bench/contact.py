@@ -23,7 +23,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np  # noqa: E402
 
 import ancf  # noqa: E402
-from machine import here  # noqa: E402
+from machine import here, timed  # noqa: E402
 from yade import O, Vector3, timing, utils, wrapper  # noqa: E402
 
 # ---- parameters, SI units ----------------------------------------------------------------------
@@ -128,19 +128,6 @@ def cpuOf(steps):
     start = time.process_time()
     O.run(steps, True)
     return time.process_time() - start
-
-
-def timed(steps):
-    """CPU and wall time of O.run(steps) [s], looked at every ms; O.run(steps, True) looks every 40."""
-    wall, cpu, last = time.perf_counter(), time.process_time(), O.iter + steps
-    O.run(steps)
-    while O.running:
-        time.sleep(1e-3)
-    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-    if O.iter < last:
-        O.run(1, True)  # raises what stopped it
-        raise RuntimeError(f"the run stopped {last - O.iter} steps before its end")
-    return cpu, wall
 
 
 def hollars(label, values):

@@ -20,7 +20,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 import ancf  # noqa: E402
-from machine import here  # noqa: E402
+from machine import here, timed  # noqa: E402
 from yade import O, Vector3, wrapper  # noqa: E402
 
 # ---- parameters, SI units ------------------------------------------------------------------------
@@ -64,18 +64,6 @@ def resident():
     return pages * resource.getpagesize() / 1024
 
 
-def batch(steps):
-    """CPU and wall time of O.run(steps) [s], looked at every ms."""
-    cpu, wall, last = time.process_time(), time.perf_counter(), O.iter + steps
-    O.run(steps)
-    while O.running:
-        time.sleep(1e-3)
-    cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
-    if O.iter < last:
-        O.run(1, True)  # raises what stopped it
-    return cpu, wall
-
-
 def measured(scene, n):
     """Figures of one scene: {name: value}."""
     O.materials.append(ancf.HollarsMat(label="cable", **MATERIAL))
@@ -88,9 +76,9 @@ def measured(scene, n):
     elements = len(made.engine.length)
     O.run(20, True)
     steps = 20
-    while batch(steps)[1] < BATCH and steps < 10**6:
+    while timed(steps)[1] < BATCH and steps < 10**6:
         steps *= 2
-    times = [batch(steps) for _ in range(BATCHES)]
+    times = [timed(steps) for _ in range(BATCHES)]
     return dict(
         elements=elements,
         cpu=1e6 * min(t[0] for t in times) / steps,

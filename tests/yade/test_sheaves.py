@@ -12,20 +12,25 @@ from test_pulley import D, LINEAR, R, cableMaterial, capstan
 G = 9.81
 
 
-def bight(sheave, width, depth=0.15, tension=1.0, points=2, angle=15):
-    """A cable that hangs a sheave in its bight: up on either side, round it below."""
+def bight(sheave, height, tension):
+    """A cable half round a sheave, its ends at a height above the axle: below it, or over it where they
+    are lower.
+    """
     radius = O.bodies[sheave].shape.radius + D / 2
     path = pulleys.Path(
-        [(sheave, -1)], diameter=D, start=(-radius, 0, depth), end=(radius, 0, depth)
+        [(sheave, -1 if height > 0 else 1)],
+        diameter=D,
+        start=(-radius, 0, height),
+        end=(radius, 0, height),
     )
-    elements = round(path.length / (radius * math.radians(angle)))
+    elements = round(path.length / (radius * math.radians(15)))
     return pulleys.lay(
         path,
         elements,
         diameter=D,
         material="cable",
         bending=0.0,
-        contactPoints=points,
+        contactPoints=2,
         damping=2e-6,
         mass="lumped",
         tension=tension,
@@ -35,6 +40,14 @@ def bight(sheave, width, depth=0.15, tension=1.0, points=2, angle=15):
 def frictionless(**values):
     given = dict(normalStiffness=1e5, dashpot=3.0, staticFriction=0.0, kineticFriction=0.0)
     cableMaterial("cable", 2e4, 0.1, D, **{**given, **values})
+
+
+def over(sheave, tension):
+    """A cable half round a sheave from above, both ends pulled down."""
+    cable = bight(sheave, -0.1, tension)
+    for knot in (0, -1):
+        cable.load(knot, (0, 0, -tension))
+    return cable
 
 
 # ---- profiles ----------------------------------------------------------------------------------
@@ -48,20 +61,7 @@ def test_cable_rests_on_the_bottom_of_each_profile(scene, profile):
     if profile == "vee":
         O.bodies[sheave].shape.grooveRadius = 1.5 * D  # wide enough for the cable
     tension = 1.0
-    path = pulleys.Path([(sheave, 1)], diameter=D, start=(-R, 0, -0.1), end=(R, 0, -0.1))
-    cable = pulleys.lay(
-        path,
-        round(path.length / (R * math.radians(15))),
-        diameter=D,
-        material="cable",
-        bending=0.0,
-        contactPoints=2,
-        damping=2e-6,
-        mass="lumped",
-        tension=tension,
-    )
-    for knot in (0, -1):
-        cable.load(knot, (0, 0, -tension))
+    cable = over(sheave, tension)
     engine = ancf.SheaveEngine()
     engine.add(sheave, speed=0)
     O.engines = pulleys.engines(cable, engine, contact=LINEAR, substeps=1)
@@ -161,7 +161,7 @@ def test_a_block_hangs_in_a_bight(scene, how):
         fixed=how != "free",
     )
     weight = mass * G
-    cable = bight(sheave, 6 * D, tension=weight / 2)
+    cable = bight(sheave, 0.15, weight / 2)
     cable.fix(0)
     cable.fix(-1)
     turns = ancf.SheaveEngine()
@@ -188,20 +188,7 @@ def test_axle_carried_by_a_knot(scene):
     sheave = pulleys.sheave(
         (0, 0, 0), R - D / 2, width=6 * D, material="cable", mass=mass, inertia=1e-4, fixed=False
     )
-    path = pulleys.Path([(sheave, 1)], diameter=D, start=(-R, 0, -0.1), end=(R, 0, -0.1))
-    cable = pulleys.lay(
-        path,
-        round(path.length / (R * math.radians(15))),
-        diameter=D,
-        material="cable",
-        bending=0.0,
-        contactPoints=2,
-        damping=2e-6,
-        mass="lumped",
-        tension=tension,
-    )
-    for knot in (0, -1):
-        cable.load(knot, (0, 0, -tension))
+    cable = over(sheave, tension)
     above = ancf.Cable(
         [(0, 0, 0), (0, 0, 0.2)],
         2,
