@@ -1,10 +1,6 @@
 #include "ancf/elastic.h"
 #include "account.h"
-#include "ancf/shape.h"
-#include "gram.h"
 #include "tile.h"
-
-#include <math.h>
 
 // Where a field has the forces on a tile's slopes.
 static void put_slopes(ancf_fields* k, const ancf_model* m, const ancf_tile* t, double* field) {
@@ -22,18 +18,6 @@ void ancf_elastic_force(ancf_model* m, double* force, const double* x, const dou
         ancf_kernel(&k, t->kind, t->bending, t->damped);
     }
     ancf_tile_gather(force, m, 0, m->n_nodes);
-}
-
-// An element's (g0, d, g1) in a field.
-static void element_vectors(double g0[3], double d[3], double g1[3], const ancf_model* m, const double* x, int e) {
-    int dof[4];
-    ancf_model_dofs(dof, m, e);
-    for (int c = 0; c < 3; ++c) {
-        const double* u = x + c * m->stride;
-        g0[c] = u[dof[1]];
-        d[c] = (u[dof[2]] - u[dof[0]]) * m->inv_length[e];
-        g1[c] = u[dof[3]];
-    }
 }
 
 static void add(ancf_account* sum, const ancf_account* more) {
@@ -117,57 +101,4 @@ double ancf_damping_power(const ancf_model* m, const double* x, const double* v)
         sum -= power;
     }
     return sum;
-}
-
-// r' and its rate at xi.
-static void slope_at(double r[3], const ancf_model* m, const double* field, int e, double xi) {
-    double g0[3], d[3], g1[3], s[3];
-    element_vectors(g0, d, g1, m, field, e);
-    ancf_shape_slope(s, xi);
-    const bool spring = m->element[e].kind & ANCF_SPRING;
-    for (int c = 0; c < 3; ++c) r[c] = spring ? d[c] : s[0] * g0[c] + s[1] * d[c] + s[2] * g1[c];
-}
-
-double ancf_strain(const ancf_model* m, const double* x, int element, double xi) {
-    double r[3];
-    slope_at(r, m, x, element, xi);
-    return m->element[element].kind & ANCF_SPRING ? sqrt(ancf_inner(r, r)) - 1.0 : 0.5 * (ancf_inner(r, r) - 1.0);
-}
-
-double ancf_tension(const ancf_model* m, int element, double xi) {
-    const ancf_element* el = &m->element[element];
-    double r[3], rv[3];
-    slope_at(r, m, m->x, element, xi);
-    slope_at(rv, m, m->v, element, xi);
-    const double stretch = sqrt(ancf_inner(r, r));
-    if (el->kind & ANCF_SPRING) {
-        const double tension = el->ea * (stretch - 1.0 + el->damping * ancf_inner(r, rv) / stretch);
-        return stretch > 1.0 && tension > 0.0 ? tension : 0.0;
-    }
-    return el->ea * (0.5 * (ancf_inner(r, r) - 1.0) + el->damping * ancf_inner(r, rv)) * stretch;
-}
-
-double ancf_strain_max(const ancf_model* m, const double* x, int* element) {
-    double largest = -1.0;
-    const int starts = m->n_nodes, ends = m->n_nodes + m->n_elements;
-    for (int e = 0; e < m->n_elements; ++e) {
-        double start = 0.0, middle = 0.0, end = 0.0; // squares of |r'|
-        for (int c = 0; c < 3; ++c) {
-            const double* u = x + c * m->stride;
-            const double g0 = u[starts + e], g1 = u[ends + e];
-            const double d = (u[m->ends[2 * e + 1]] - u[m->ends[2 * e]]) * m->inv_length[e];
-            const double half = m->element[e].kind & ANCF_SPRING ? d : 1.5 * d - 0.25 * (g0 + g1);
-            start += g0 * g0;
-            middle += half * half;
-            end += g1 * g1;
-        }
-        const bool spring = m->element[e].kind & ANCF_SPRING;
-        const double square = spring ? middle : fmax(fmax(start, end), middle);
-        const double strain = spring ? sqrt(square) - 1.0 : 0.5 * (square - 1.0);
-        if (strain > largest) {
-            largest = strain;
-            *element = e;
-        }
-    }
-    return largest;
 }

@@ -11,8 +11,8 @@
 
 extern "C" {
 #include "ancf/balance.h"
-#include "ancf/elastic.h"
 #include "ancf/equilibrium.h"
+#include "ancf/tension.h"
 }
 
 #include <cmath>
@@ -91,6 +91,7 @@ Real CableEngine::tension(int element, Real xi) {
     if (!model) build();
     model->x = position.data();
     model->v = velocity.data();
+    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
     return ancf_tension(model.get(), element, xi);
 }
 
@@ -100,10 +101,27 @@ Real CableEngine::strain(int element, Real xi) {
     return ancf_strain(model.get(), position.data(), element, xi);
 }
 
+void CableEngine::loadNodesAlone() {
+    loaded = true;
+    std::fill_n(model->external, position.size(), 0);
+    for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
+    model->unloaded = false;
+}
+
+// Before the first step of a model: forces and accelerations as they are without contact.
+void CableEngine::findForces() {
+    takeGravity();
+    loadNodesAlone();
+    ancf_acceleration(model.get(), position.data(), velocity.data());
+    for (size_t i = 0; i < carryNodes.size() && lastStep == 0; ++i) setCarryReaction(i, Vector3r::Zero());
+    stepped = true;
+}
+
 Vector3r CableEngine::reaction(int node) {
     checkNode(node, "reaction");
     node = tied(node);
     if (!model) build();
+    if (!stepped) findForces();
     for (size_t i = 0; i < carryNodes.size(); ++i)
         if (carryNodes[i] == node) return carryReaction[i];
     if (!has(fixedNodes, node) && !has(followNodes, node))
@@ -160,9 +178,7 @@ void CableEngine::relax(Real tolerance, int iterations) {
         refuse("relax: a body is carried off its centre or guided, and would have to turn: let the scene come to rest "
                "instead");
     takeGravity();
-    loaded = true;
-    std::fill_n(model->external, position.size(), 0);
-    for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
+    loadNodesAlone();
     model->track = false;
     CableRest rest(*this);
     const vector<Real> before = position;

@@ -14,6 +14,7 @@
 extern "C" {
 #include "ancf/balance.h"
 #include "ancf/elastic.h"
+#include "ancf/tension.h"
 }
 
 #include <algorithm>

@@ -65,6 +65,7 @@ class CableEngine : public GlobalEngine {
     bool anyCoupled = false;
     bool forgotten = false; // its scene is gone
     bool loaded = false;    // forces may stand in model->external
+    bool stepped = false;   // the model has forces and accelerations of a step
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
@@ -158,6 +159,8 @@ class CableEngine : public GlobalEngine {
     void getReady();
 
     void takeGravity();
+    void loadNodesAlone();
+    void findForces();
     void holdNodes();
     void gatherForces();
     void gatherOnElements();

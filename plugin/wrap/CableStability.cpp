@@ -7,7 +7,7 @@
 #include "text.hpp"
 
 extern "C" {
-#include "ancf/elastic.h"
+#include "ancf/tension.h"
 #include "ancf/stability.h"
 }
 

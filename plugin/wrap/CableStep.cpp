@@ -97,7 +97,7 @@ void CableEngine::makeReady() {
     normalKind = numberOf(normal, {"linear", "hertz", "nonlinear"});
     frictionKind = numberOf(friction, {"none", "coulomb", "hollars"});
     makeModel();
-    loaded = false;
+    loaded = stepped = false;
     checkIntegrator();
     makeImplicit();
     if (anyCoupled && substeps > 1)
@@ -188,7 +188,7 @@ void CableEngine::gatherForces() {
 // Of a body on the knot that carries it at its centre: what acts on it, contacts included, less what it takes itself.
 void CableEngine::setCarryReaction(size_t i, const Vector3r& touched) {
     if (carrierOf(carryIds[i]) < 0) return;
-    const Real mass = (*scene->bodies)[carryIds[i]]->state->mass;
+    const Real mass = (*theScene().bodies)[carryIds[i]]->state->mass;
     carryReaction[i] = carriedForce[i] + touched + mass * (gravity - nodeOf(model->a, model->stride, carryNodes[i]));
 }
 
@@ -311,6 +311,7 @@ void CableEngine::action() {
     startAppended();
     if (implicit) stepImplicit();
     else stepExplicit(inside);
+    stepped = true;
     if (scene->trackEnergy) trackEnergy();
 }
 

@@ -10,6 +10,7 @@
 #include "ancf/model.h"
 #include "ancf/shape.h"
 #include "ancf/step.h"
+#include "ancf/tension.h"
 #include <stdlib.h>
 #include <string.h>
 

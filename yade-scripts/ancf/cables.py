@@ -4,6 +4,7 @@ import numpy as np
 
 from . import values
 from .laying import curveLength, subdivide, tangents
+from .stretch import ratios
 from .structure import Run, Structure, layEdges, layStraight, section
 
 
@@ -26,12 +27,18 @@ class Cable(Structure):
     """A cable along a polyline.
 
     points           (n, 3) [m], its knots; every segment between two of them is an edge of
-                     `elements` elements. The cable goes through the points smoothly and is as long
-                     as it lies: a straight or round one starts without strain. Its ends have slopes
-                     of their own, free unless clamped.
+                     `elements` elements. The cable goes through the points smoothly, and unless
+                     length, slack or tension is given it is as long as it lies: a straight or round
+                     one starts without strain. Its ends have slopes of their own, free unless
+                     clamped.
     elements         ANCF elements per edge
     diameter         [m]; gives area and bending stiffness E pi d^4/64
     material         HollarsMat, or its label or id in O.materials
+    length           its unstressed length [m]; or
+    slack            by how much of the length as laid the unstressed one is longer [-], 0.02: 2 %;
+                     below 0: pre-strained; or
+    tension          that it has as laid [N]. A slack cable of ANCF elements starts compressed:
+                     relax() lets it hang; springs go slack without force
     model            'ancf', or 'springs': tension-only springs, midPoints + 1 per edge, mass
                      lumped, no bending
     contact          'curve': it touches where its true curve is nearest, at one place in each
@@ -63,6 +70,9 @@ class Cable(Structure):
         midPoints=0,
         contact="curve",
         contactPoints=3,
+        length=None,
+        slack=None,
+        tension=None,
         damping=0.0,
         area=None,
         bending=None,
@@ -81,6 +91,10 @@ class Cable(Structure):
         closed = values.flag(f"{label}.closed", closed)
         p = _checkedPoints(label, points, closed)
         layout = _laySprings(p, parts, closed) if model == "springs" else _lay(p, parts, closed)
+        laid = np.array([layout.length.sum()])
+        layout.stretch(
+            ratios(f"{label}.", sec, laid, length, slack, tension).repeat(len(layout.length))
+        )
         super().__init__(label, sec, layout, contact, contactPoints, selfContact, mask)
 
     @property

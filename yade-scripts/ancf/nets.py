@@ -6,17 +6,21 @@ from yade import O, Vector3, utils
 from . import values
 from .cables import divisions
 from .laying import unit
+from .stretch import ratios
 from .structure import Run, Structure, _inContainer, anyMaterial, layStraight, section
 
 BULLET = "carrying a bullet"
 
 
 class Net(Structure):
-    """A net of knots and edges; every edge starts straight and without strain.
+    """A net of knots and edges; every edge starts straight, and without strain unless length, slack
+    or tension is given.
 
     points           (K, 3) [m], the knots
     edges            pairs of knot numbers
     rim              knot numbers around the mouth, in order; needed by mouthArea
+    length, slack, tension
+                     as for Cable, of each edge: a number, or one for each of `edges`
     Other arguments as for Cable. Edges have slopes of their own at the knots, which pass on forces,
     not moments.
 
@@ -36,6 +40,9 @@ class Net(Structure):
         midPoints=0,
         contact="curve",
         contactPoints=3,
+        length=None,
+        slack=None,
+        tension=None,
         damping=0.0,
         area=None,
         bending=None,
@@ -53,6 +60,8 @@ class Net(Structure):
         p = values.points(f"{label}.points", points)
         pairs = _checkedEdges(label, edges, p)
         layout = _lay(p, pairs, parts, model)
+        laid = layout.length.reshape(-1, parts).sum(axis=1)
+        layout.stretch(ratios(f"{label}.", sec, laid, length, slack, tension).repeat(parts))
         super().__init__(label, sec, layout, contact, contactPoints, selfContact, mask)
         self.rim = [self.knot(k) for k in values.sequence(f"{label}.rim", rim, "knot numbers")]
         self.corners = []  # knots that addBullets shoots
@@ -76,7 +85,7 @@ class Net(Structure):
         """A square net of meshes x meshes meshes: (meshes + 1)^2 knots, row by row, and 2 meshes
         (meshes + 1) edges.
 
-        meshLength       [m], of every edge, unstressed
+        meshLength       [m], of every edge as laid
         center, normal   of the net [m], [-]; its sides are as parallel to the coordinate axes as
                          they can be
         fold             None: flat. 0 < fold < 1: folded like an egg box, without strain. The grid

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from yade import O, Quaternion, Vector3, wrapper
 
-from . import scene, values
+from . import scene, stretch, values
 from .cables import Cable
 from .laying import curveLength
-from .structure import MASK, SPRING, Structure, anyMaterial, findBody
+from .structure import MASK, Structure, anyMaterial, findBody
 
 DEEPEST_START = 0.5  # of a cable in a sheave, in radii of the cable; more is refused
-MOST_PULL = 10.0  # that lay() stretches a cable by, in EA
 COARSE = 0.1  # distance from the arc of a sheave that is warned of, in radii of the cable
 
 
@@ -351,11 +350,13 @@ class Path:
         return f
 
 
-def lay(path, elements, *, tension=0.0, **cable):
-    """A Cable along a Path, `elements` of equal length, under a tension [N] from the start: a number,
-    or a function of the place along the path [m].
+def lay(path, elements, *, length=None, slack=None, tension=None, **cable):
+    """A Cable along a Path, `elements` of equal length.
 
-    cable: arguments of Cable (diameter, material, contactPoints, damping, ...).
+    tension          [N] that it has from the start: a number, or a function of the place along the
+                     path [m]; friction at sheaves holds what differs
+    length, slack    in its place, as for Cable
+    cable            arguments of Cable (diameter, material, contactPoints, damping, ...)
     """
     if not isinstance(path, Path):
         values.refuse("lay: path", path, "must be a Path", TypeError)
@@ -364,29 +365,18 @@ def lay(path, elements, *, tension=0.0, **cable):
     places = np.arange(count) * path.length / elements
     points, tangents = (np.array(x) for x in zip(*[path.at(s) for s in places]))
     made = Cable(points, 1, closed=path.closed, **cable)
-    if made.section.kind & SPRING:
+    section, layout = made.section, made._layout
+    if section.spring:
         raise ValueError("lay: model='springs' lies on no arc; use model='ancf'")
-    pull = tension if callable(tension) else lambda s: tension
 
-    def stretch(s):
-        force = values.notNegative("lay: tension", pull(s), "N")
-        if force > MOST_PULL * made.section.ea:
-            remedy = f"is more than {MOST_PULL:g} times EA = {made.section.ea:g} N; give less"
-            values.refuse("lay: tension", force, remedy)
-        ratio = 1.0
-        for _ in range(50):  # T = EA (ratio^2 - 1)/2 ratio
-            ratio = math.sqrt(1 + 2 * force / (made.section.ea * ratio))
-        return ratio
+    def ratios(at):
+        pull = [tension(s) for s in at] if callable(tension) else tension
+        return stretch.ratios("lay: ", section, np.full(len(at), path.length), length, slack, pull)
 
-    def stretches(at):
-        return np.array([stretch(s) for s in at]) if callable(tension) else stretch(0.0)
-
-    slopes = np.broadcast_to(stretches(places), count)[:, None] * tangents
     middles = (np.arange(elements) + 0.5) * path.length / elements
-    layout = made._layout
     i, j = layout.ends.T
-    length = curveLength(points[i], tangents[i], points[j], tangents[j])
-    layout.length = length / stretches(middles)
+    layout.length = curveLength(points[i], tangents[i], points[j], tangents[j]) / ratios(middles)
+    slopes = ratios(places)[:, None] * tangents
     layout.slopes = np.stack([slopes[i], slopes[j]], axis=1).reshape(-1, 3)
     return made
 
@@ -505,7 +495,7 @@ def _checkStart(structure, sheaveId):
 def _coarseness(structure, radius):
     """What keeps a cable from an arc of a radius [m], by how much [m], and more of what mends it."""
     length = float(structure._layout.length.max())
-    if structure.section.kind & SPRING:
+    if structure.section.spring:
         return f"straight springs of {length:.3g} m", length**2 / (8 * radius), "midPoints"
     if structure.contact == "points":  # what lies between them sinks in
         spacing = length / structure._segments

@@ -41,6 +41,11 @@ class Section:
     material: object  # HollarsMat
 
     @property
+    def spring(self):
+        """Whether it is a tension-only spring."""
+        return bool(self.kind & SPRING)
+
+    @property
     def ea(self):
         """Axial stiffness [N]."""
         return self.material.young * self.area
@@ -78,6 +83,13 @@ class Layout:
     length: np.ndarray  # (E) unstressed [m]
     next: np.ndarray  # (E) element into which this goes on smoothly, or -1
     runs: list  # of Run
+
+    def stretch(self, ratio):
+        """Makes unstressed lengths shorter, each element's by its ratio (E): its curve stays, and
+        its slopes are as long as the ratio.
+        """
+        self.length = self.length / ratio
+        self.slopes = self.slopes * np.repeat(ratio, 2)[:, None]
 
 
 def layEdges(knots, edges, nodes, slopes, lengths):
@@ -338,7 +350,7 @@ class Structure:
     @property
     def _segments(self):
         """Pieces of an element with one place of contact each."""
-        return 1 if self.section.kind & SPRING else self._contactPoints + 1
+        return 1 if self.section.spring else self._contactPoints + 1
 
     # ---- sizes -----------------------------------------------------------------------------------
 
@@ -535,7 +547,7 @@ class Structure:
         which have none.
         """
         knot = self.knot(knot)
-        if self.section.kind & SPRING:
+        if self.section.spring:
             raise ValueError(
                 f"{self.name}.clamp({knot}): springs have no slopes; use model='ancf', or fix"
             )
@@ -736,7 +748,7 @@ class Structure:
         nodes, slopes = state
         r0, r1 = np.moveaxis(nodes[self._layout.ends[elements]], 1, 0)
         xi = np.atleast_1d(xi)
-        if self.section.kind & SPRING:
+        if self.section.spring:
             return r0[:, None] + xi[:, None] * (r1 - r0)[:, None]
         g0, g1 = np.moveaxis(slopes.reshape(-1, 2, 3)[elements], 1, 0)
         weights = shape(xi, self._layout.length[elements][:, None])

@@ -10,13 +10,4 @@ void ancf_elastic_force(ancf_model* m, double* force, const double* x, const dou
 // Elastic energy of the elements begin .. end-1 [J], by axial strain and by bending.
 void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, const double* x, int begin, int end);
 
-// Strain at xi: Green's (r'.r' - 1)/2 for ANCF, engineering strain for springs [-].
-double ancf_strain(const ancf_model* m, const double* x, int element, double xi);
-
-// Tension at xi, damping included: EA eps |r'| for ANCF, the spring's force for springs [N].
-double ancf_tension(const ancf_model* m, int element, double xi);
-
-// Largest strain of an element, over its ends and middle; and the largest of all, with its element.
-double ancf_strain_max(const ancf_model* m, const double* x, int* element);
-
 #endif
