@@ -458,12 +458,15 @@ Real contactTimeStep(const Scene& s, int normalKind, Real speed) {
                 dynamic_cast<const HollarsMat*>(a.material) || dynamic_cast<const HollarsMat*>(b.material);
             if (!hollars || !(curvature > 0 && answer > 0) || (i == j && !a.several)) continue;
             HollarsPhys phys;
-            setStiffness(phys, *a.material, *b.material, 1 / curvature);
+            mixHollars(phys, *a.material, *b.material, 1 / curvature);
             phys.normalKind = normalKind;
             if (const string fault = lawFault(phys, a.material, b.material, 1 / curvature); !fault.empty())
                 throw std::invalid_argument("contactTimeStep: " + fault);
             const Real n = normalKind == ANCF_NORMAL_LINEAR ? 1 : phys.normalExponent;
-            if (phys.normalStiffness > 0) least = std::min(least, contactTime(phys.normalStiffness, n, speed, answer));
+            if (!(phys.normalStiffness > 0)) continue;
+            // damping makes the approach as short as a spring so much stiffer would
+            const Real stiffer = normalKind == ANCF_NORMAL_NONLINEAR ? 1 + 1.5 * phys.impactDamping * speed : 1;
+            least = std::min(least, contactTime(stiffer * phys.normalStiffness, n, speed, answer));
         }
     return part * least;
 }
