@@ -164,6 +164,7 @@ void CableContacts::build(CableEngine& cable) {
     shown->followed = false;
     ++shown->epoch;
     outgrown = true;
+    cable.theScene().doSort = true; // the collider has not seen these boxes
 }
 
 // ---------------------------------------------------------------- where contact can be
@@ -178,6 +179,11 @@ void CableContacts::plan(const CableEngine& cable) {
     const Real speed = std::sqrt(fastest) + ancf_boxes_fastest(cable.theModel());
     const Real ahead = stepsAhead * s.dt * speed + marginAhead * thickest;
     ancf_boxes_plan(boxes.get(), cable.theModel(), s.dt / std::max(1, cable.substeps), restingSteps, ahead);
+    plannedStep = s.dt;
+}
+
+void CableContacts::planFor(const CableEngine& cable, Real step) {
+    if (step != plannedStep) plan(cable);
 }
 
 // After the collider has run: the boxes are those of now, and only elements in an interaction are looked at until then.
@@ -581,7 +587,8 @@ void CableContacts::follow(const CableEngine& cable) {
 void CableContacts::look(CableEngine& cable) {
     follow(cable);
     if (kinds == 0) return;
-    outgrown = !cable.sleep || !ancf_boxes_hold(boxes.get(), cable.theModel());
+    const bool hold = ancf_boxes_hold(boxes.get(), cable.theModel()) && cable.scene->dt == plannedStep;
+    outgrown = !cable.sleep || !hold;
     if (!outgrown) return;
     plan(cable);
     cable.scene->doSort = true;

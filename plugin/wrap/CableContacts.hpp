@@ -63,6 +63,7 @@ class CableContacts {
     vector<ancf_memory> memory;                     // friction between cables in the step before
     int firstCrossing = 0;                          // contact of the table at which those between cables begin
     bool outgrown = true;                           // an element has left its box: new ones in the next step
+    Real plannedStep = 0;                           // O.dt that the boxes are for [s]
     vector<Real> after, shift;                      // fields: velocities with contacts, displacements besides
     const Real *velocity = nullptr, *way = nullptr; // what this step goes on with
     bool acted = false;                             // contacts or couplings, in this step
@@ -93,6 +94,7 @@ public:
     void keep(std::shared_ptr<const void> part);   // until nobody reads it
     void stepBegins();                             // of the engine: functors are through
     void build(CableEngine& cable);
+    void planFor(const CableEngine& cable, Real step); // O.dt may have been set since the boxes were planned
     void disturb(); // places or velocities were set from outside: nothing rests, boxes are new
 
     bool begin(const CableEngine& cable, int steps); // that the cable takes in O.dt; false: there is nothing to gather

@@ -33,6 +33,7 @@ shared_ptr<const CableView> CableEngine::viewOf(const Scene& scene, int family) 
             cables->scene = const_cast<Scene*>(&scene); // in the first step after loading, it still has the old one
             if (!cables->model) cables->build();
             cables->checkPartners();
+            cables->touching.planFor(*cables, scene.dt);
         } catch (const std::exception&) {
             return nullptr; // it tells in its own step
         }

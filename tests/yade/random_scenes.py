@@ -8,29 +8,18 @@ returns 1 if any scene was silent, late, hanging or killed. --seed SEED runs one
 
 import argparse
 import collections
+import functools
 import math
-import multiprocessing
-import multiprocessing.connection
 import os
 import sys
-import time
-import warnings
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+import numpy as np
 
-import numpy as np  # noqa: E402
-
-import ancf  # noqa: E402
-from yade import O, Vector3, utils  # noqa: E402
+from outcomes import FAULTS, each, outcome, run  # first: sets the number of threads
+import ancf
+from yade import O, Vector3, utils
 
 STEPS = 3000
-BETWEEN = 10  # steps between two looks at O.energy
-SOUND, LATE = 0.02, 0.05  # share of the largest energy so far
-SLOWEST = 300.0  # [s] a scene may take
-STORED = ("kinetic", "cableKinetic", "cableElastic", "contactElastic")
-
-# What became of a scene; those of FAULTS must not happen.
-FAULTS = ("silent", "late", "not finite", "hang", "signal")
 
 
 def pick(random, *choices):
@@ -137,10 +126,8 @@ def addBalls(random):
 
 
 def build(seed, tolerance=None):
-    """The scene of a seed, in O; tolerance: of the energy watch, None: as it is by default."""
+    """The scene of a seed, in an empty O; tolerance: of the energy watch, None: as it is by default."""
     random = np.random.default_rng(seed)
-    O.reset()
-    O.trackEnergy = True
     addMaterial(random, "cable")
     addMaterial(random, "ball")
     addBalls(random)
@@ -160,87 +147,9 @@ def build(seed, tolerance=None):
         cable.engine.energyTolerance = tolerance
 
 
-def driftOfYade():
-    """What O.energy loses in a step [J]: NewtonIntegrator counts the work of gravity at velocities after its
-    kick alone, not at the mean of those before and after, so m g^2 dt^2/2 for each free body.
-    """
-    mass = sum(
-        b.state.mass for b in O.bodies if b.dynamic and b.isStandalone and b.state.blockedDOFs == ""
-    )
-    return mass * O.engines[-1].gravity.squaredNorm() * O.dt**2 / 2
-
-
-def run(steps=STEPS):
-    """Runs the scene in O. Returns what became of it, the worst share of the largest energy by
-    which it was out of balance, and what was told.
-    """
-    start, most, share, worst = None, 0.0, 0.0, 0.0
-    drift = driftOfYade()
-    try:
-        while O.iter < steps:
-            O.step()
-            if O.iter % BETWEEN and start is not None:
-                continue
-            items = dict(O.energy.items())
-            now = sum(items.values()) + O.iter * drift
-            most = max(most, sum(items.get(name, 0.0) for name in STORED))
-            start = now if start is None else start
-            if not math.isfinite(now):
-                return "not finite", math.inf, f"iteration {O.iter}"
-            share = abs(now - start) / max(most, 1e-300)
-            worst = max(worst, share)
-    except (RuntimeError, ValueError) as error:
-        told = " ".join(str(error).split())
-        kind = "stopped by the watch" if "out of balance" in told else "stopped by name"
-        return (kind if worst < LATE else "late"), worst, told
-    return ("sound" if share < SOUND else "silent"), worst, ""
-
-
 def scene(seed, steps=STEPS, tolerance=None):
     """One scene: (what became of it, worst share, what was told)."""
-    warnings.simplefilter("ignore")
-    try:
-        build(seed, tolerance)
-    except (RuntimeError, ValueError) as error:
-        return "refused", 0.0, " ".join(str(error).split())
-    return run(steps)
-
-
-def _child(seed, steps, tolerance, pipe):
-    pipe.send(scene(seed, steps, tolerance))
-    pipe.close()
-    os._exit(0)  # nothing of YADE's is left to end
-
-
-def scenes(seeds, jobs, steps=STEPS, tolerance=None):
-    """Yields (seed, what became of it, worst share, what was told) for each, as they end."""
-    context = multiprocessing.get_context("fork")
-    waiting, running = list(seeds)[::-1], {}
-    while waiting or running:
-        while waiting and len(running) < jobs:
-            seed = waiting.pop()
-            here, there = context.Pipe(duplex=False)
-            process = context.Process(target=_child, args=(seed, steps, tolerance, there))
-            process.start()
-            there.close()
-            running[seed] = process, here, time.monotonic()
-        multiprocessing.connection.wait([pipe for _, pipe, _ in running.values()], timeout=1.0)
-        for seed, (process, pipe, began) in list(running.items()):
-            if pipe.poll():
-                try:
-                    result = pipe.recv()
-                except EOFError:
-                    process.join()
-                    result = "signal", math.inf, f"exit code {process.exitcode}"
-            elif time.monotonic() - began > SLOWEST:
-                process.kill()
-                result = "hang", math.inf, f"{SLOWEST:g} s"
-            else:
-                continue
-            process.join()
-            pipe.close()
-            del running[seed]
-            yield (seed, *result)
+    return outcome(lambda: build(seed, tolerance), lambda _: run(steps))
 
 
 def main():
@@ -257,9 +166,9 @@ def main():
         print(dict(O.energy.items()))
         return 0
     counts, worst = collections.Counter(), 0.0
-    for seed, end, share, told in scenes(
-        range(args.first, args.first + args.count), args.jobs, args.steps, args.tolerance
-    ):
+    one = functools.partial(scene, steps=args.steps, tolerance=args.tolerance)
+    seeds = range(args.first, args.first + args.count)
+    for seed, end, share, told in each(one, seeds, args.jobs):
         print(f"{seed} {end} {share:.1e} {told}", flush=True)
         counts[end] += 1
         worst = max(worst, share) if end == "sound" else worst

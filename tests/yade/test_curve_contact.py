@@ -248,6 +248,30 @@ def test_a_fast_ball_does_not_pass(scene, late, offset):
     assert state.vel[2] > -0.9 * speed
 
 
+@pytest.mark.parametrize("after", [0, 20])
+@pytest.mark.parametrize("what", ["nothing", "condition", "stiffness", "step"])
+def test_a_cable_thrown_at_a_ball_meets_it(scene, what, after):
+    """Boxes are for the speeds and the step that are, whatever was edited before they were needed."""
+    material("cable", young=1e8)
+    ball((0.01, 0.003, 0.06), 0.04, material="cable")
+    cable = ancf.Cable([(-0.2, 0, 0), (0.2, 0, 0)], 8, diameter=1e-3, material="cable")
+    speed = 20.0
+    cable.setVelocity(lambda p: (0, 0, speed))
+    O.engines = ancf.engines(cable, verletDist=1e-4)
+    steps(after)
+    if what == "condition":
+        cable.load(0, (0, 0, 1e-9))
+    elif what == "stiffness":
+        cable.engine.ea = [1.01 * ea for ea in cable.engine.ea]
+    elif what == "step":
+        O.dt *= 3
+    gap = 0.0195 - cable.knots[0][2]
+    assert gap > 3 * speed * O.dt
+    steps(int(gap / (speed * O.dt)) + 2)
+    assert cable.engine.contacts > 0
+    assert cable.engine.maxPenetration < 3 * speed * O.dt
+
+
 # ---- edges ---------------------------------------------------------------------------------------
 
 

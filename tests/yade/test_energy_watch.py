@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import outcomes
 import random_scenes
 from helpers import O, Vector3, ancf, array, ball, hertz, material, plane, runTo, squareNet, steps
 
@@ -167,9 +168,9 @@ def test_springs_that_gain_are_stopped(scene, seed):
     """Nets of springs that snap at the longest stable step lose their balance."""
     end, share, told = random_scenes.scene(seed)
     assert end == "stopped by the watch" and "element" in told
-    assert share < random_scenes.LATE
+    assert share < outcomes.LATE
     end, without, _ = random_scenes.scene(seed, tolerance=math.inf)
-    assert end == "silent" and without > random_scenes.SOUND
+    assert end == "silent" and without > outcomes.SOUND
     O.trackEnergy = False
 
 
@@ -180,7 +181,7 @@ def test_random_scenes(scene):
     """The first few of those that random_scenes.py runs by the hundred."""
     ends = [random_scenes.scene(seed, 600)[0] for seed in range(20)]
     O.trackEnergy = False
-    assert not set(ends) & set(random_scenes.FAULTS), ends
+    assert not set(ends) & set(outcomes.FAULTS), ends
     assert ends.count("sound") > 10
 
 
