@@ -91,6 +91,7 @@ void CableEngine::forget() {
          {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &radius, &arc, &closed,
           &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
         vector<Real>().swap(*list);
+    vector<string>().swap(record);
     for (vector<int>* list : {&ends,        &next,          &kind,      &elementIds, &segments,    &points,
                               &structure,   &selfContact,   &run,       &fixedNodes, &clampedEnds, &followNodes,
                               &followIds,   &carryNodes,    &carryIds,  &loadNodes,  &tiedNodes,   &tiedTo,
@@ -489,10 +490,20 @@ void CableEngine::tie(int node, int other) {
     changed();
 }
 
+void CableEngine::note(int number, const string& text) {
+    const size_t at = static_cast<size_t>(number);
+    if (number < 0 || at > record.size())
+        throw std::out_of_range(yade::text("CableEngine.note: number = ", number, ": there are ", record.size()));
+    if (at == record.size()) record.emplace_back();
+    record[at] = text;
+}
+
 void CableEngine::release(int node) {
     checkNode(node, "release");
     node = tied(node);
     fixedNodes.erase(std::remove(fixedNodes.begin(), fixedNodes.end(), node), fixedNodes.end());
+    const auto there = [&](int end) { return ends[static_cast<size_t>(end)] == node; };
+    clampedEnds.erase(std::remove_if(clampedEnds.begin(), clampedEnds.end(), there), clampedEnds.end());
     followed.clear();
     for (size_t i = followNodes.size(); i-- > 0;)
         if (followNodes[i] == node) {

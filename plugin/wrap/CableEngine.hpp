@@ -219,6 +219,7 @@ public:
     void load(int node, const Vector3r& force);
     void tie(int node, int other);
     void release(int node);
+    void note(int number, const string& text);
     int tied(int node) const;
     vector<int> elementsAt(int node) const;
     py::object state(int firstNode, int nodes, int firstElement, int elements) const;
@@ -297,6 +298,7 @@ public:
         ((vector<Vector3r>, loads, , Attr::readonly, "The forces [N]."))
         ((vector<int>, tiedNodes, , Attr::readonly, "Nodes that another one stands for."))
         ((vector<int>, tiedTo, , Attr::readonly, "The ones that stand for them."))
+        ((vector<string>, record, , Attr::readonly, "What the Cable and Net objects of Python know besides, a line of JSON each; ancf.structures() reads it."))
         ((Real, lastStep, 0, Attr::readonly, "Length of the cable's step before [s], 0 at the start."))
         ((Vector3r, gravity, Vector3r::Zero(), Attr::readonly, "That of NewtonIntegrator, as last seen [m/s²]."))
         ((int, contacts, 0, Attr::readonly, "Places that pressed on something in the last step."))
@@ -340,7 +342,8 @@ public:
         .def("carry", &CableEngine::carry, (py::arg("node"), py::arg("id"), py::arg("at")), "Fastens a body's point `at` (in its frame, [m]) to a node.")
         .def("load", &CableEngine::load, (py::arg("node"), py::arg("force")), "Puts a constant force [N] on a node; zero takes it off.")
         .def("tie", &CableEngine::tie, (py::arg("node"), py::arg("other")), "Makes two nodes one, the first.")
-        .def("release", &CableEngine::release, (py::arg("node")), "Frees a node from fix, follow and load.")
+        .def("release", &CableEngine::release, (py::arg("node")), "Frees a node, and the slopes at it, from fix, clamp, follow and load.")
+        .def("note", &CableEngine::note, (py::arg("number"), py::arg("text")), "Replaces an item of record, or adds one at its end.")
         .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
         .def("elementsAt", &CableEngine::elementsAt, (py::arg("node")), "Elements that meet at a node.")
         .def("state", &CableEngine::state, (py::arg("firstNode"), py::arg("nodes"), py::arg("firstElement"), py::arg("elements")),

@@ -97,6 +97,10 @@ class Cable(Structure):
         )
         super().__init__(label, sec, layout, contact, contactPoints, selfContact, mask)
 
+    @staticmethod
+    def _runs(edges, parts):
+        return [Run(0, len(edges) * parts, (int(edges[0, 0]), int(edges[-1, 1])))]
+
     @property
     def _span(self):
         return self.spans[0]
@@ -162,12 +166,12 @@ def _lay(p, parts, closed):
     layout = layEdges(p, edges, nodes, slopes, lengths)
     count = len(layout.ends)
     layout.next = np.append(np.arange(1, count), 0 if closed else -1)
-    layout.runs = [Run(0, count, (0, 0 if closed else len(p) - 1))]
+    layout.runs = Cable._runs(layout.edges, parts)
     return layout
 
 
 def _laySprings(p, parts, closed):
     """Layout of a chain of springs: straight from point to point."""
     layout = layStraight(p, _edges(p, closed), parts)
-    layout.runs = [Run(0, len(layout.ends), (0, 0 if closed else len(p) - 1))]
+    layout.runs = Cable._runs(layout.edges, parts)
     return layout

@@ -190,6 +190,7 @@ class Net(Structure):
         self._bulletsLater = bullets
         if self.appended:
             self._appendBodies()
+            self._note()
 
     def _appendBodies(self):
         if not self._bulletsLater:
@@ -208,8 +209,21 @@ class Net(Structure):
             ball.state.blockedDOFs = "xyz"
             number = O.bodies.append(ball)
             self.bullets.append(number)
-            del self._claims[knot]
             self.carry(knot, number)
+        self._bulletsLater = None
+
+    @staticmethod
+    def _runs(edges, parts):
+        return [Run(parts * i, parts, (int(a), int(b))) for i, (a, b) in enumerate(edges)]
+
+    def _own(self):
+        normal = None if self._normal is None else self._normal.tolist()
+        names = ("rim", "corners", "folded", "bullets")
+        return {name: getattr(self, name) for name in names} | {"normal": normal}
+
+    def _recall(self, own):
+        self.__dict__.update({k: v for k, v in own.items() if k != "normal"})
+        self._normal = None if own["normal"] is None else np.array(own["normal"])
         self._bulletsLater = None
 
     @property
@@ -251,11 +265,10 @@ def _checkedEdges(name, edges, p):
 
 def _lay(p, pairs, parts, model):
     layout = layStraight(p, np.array(pairs), parts)
-    first = parts * np.arange(len(pairs))
     if model == "ancf":
         layout.next = np.arange(1, len(layout.ends) + 1)
-        layout.next[first + parts - 1] = -1
-    layout.runs = [Run(int(e), parts, pair) for e, pair in zip(first, pairs)]
+        layout.next[parts - 1 :: parts] = -1
+    layout.runs = Net._runs(layout.edges, parts)
     return layout
 
 

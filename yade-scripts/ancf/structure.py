@@ -2,6 +2,7 @@
 way.
 """
 
+import json
 import warnings
 from dataclasses import dataclass
 
@@ -77,8 +78,11 @@ class Layout:
     """Nodes and elements as laid; knots come first among the nodes. E elements."""
 
     knots: int
-    nodes: np.ndarray  # (n, 3) [m]
-    slopes: np.ndarray  # (2 E, 3): start, end of every element
+    nodes: int
+    edges: np.ndarray  # (n, 2) knot numbers
+    parts: int  # elements of an edge
+    places: np.ndarray | None  # (nodes, 3) [m]; None once the engine has them
+    slopes: np.ndarray | None  # (2 E, 3): start, end of every element
     ends: np.ndarray  # (E, 2) start node, end node
     length: np.ndarray  # (E) unstressed [m]
     next: np.ndarray  # (E) element into which this goes on smoothly, or -1
@@ -98,16 +102,30 @@ def layEdges(knots, edges, nodes, slopes, lengths):
     knots (K, 3), edges (n, 2) knot numbers; of each edge nodes and slopes (n, parts + 1, 3), lengths
     (n, parts).
     """
-    n, parts = lengths.shape
+    layout = chained(len(knots), edges, lengths.shape[1])
+    layout.places = np.concatenate([knots, nodes[:, 1:-1].reshape(-1, 3)])
+    layout.slopes = np.stack([slopes[:, :-1], slopes[:, 1:]], axis=2).reshape(-1, 3)
+    layout.length = lengths.ravel()
+    return layout
+
+
+def chained(knots, edges, parts):
+    """Which nodes the elements join: `parts` along each edge (n, 2) between knots; the rest of the
+    Layout is still to be filled in.
+    """
+    n = len(edges)
     chain = np.empty((n, parts + 1), int)
     chain[:, 0], chain[:, -1] = edges.T
-    chain[:, 1:-1] = len(knots) + np.arange(n * (parts - 1)).reshape(n, parts - 1)
+    chain[:, 1:-1] = knots + np.arange(n * (parts - 1)).reshape(n, parts - 1)
     return Layout(
-        knots=len(knots),
-        nodes=np.concatenate([knots, nodes[:, 1:-1].reshape(-1, 3)]),
-        slopes=np.stack([slopes[:, :-1], slopes[:, 1:]], axis=2).reshape(-1, 3),
+        knots=knots,
+        nodes=knots + n * (parts - 1),
+        edges=edges,
+        parts=parts,
+        places=None,
+        slopes=None,
         ends=np.stack([chain[:, :-1], chain[:, 1:]], axis=2).reshape(-1, 2),
-        length=lengths.ravel(),
+        length=np.ones(n * parts),
         next=np.full(n * parts, -1),
         runs=[],
     )
@@ -341,10 +359,10 @@ class Structure:
         self._engine = None  # engine() looks it up again after O.load
         self._family = None
         self._first = (0, 0)  # numbers of our first node and element in the engine
-        self._claims = {}  # knot -> what holds it
+        self._number = -1  # of us in its record
+        self._claims = {}  # knot -> what will hold it, until append()
         self._later = []  # (condition, what follows from it) to be carried out at append
         self._velocity = None  # (nodes (n, 3), slopes (2 E, 3)) at the start
-        self._attached = []  # (knot, body id) carried or followed
         self._ties = []  # (structure, knot, structure, knot) to be made once both are in an engine
 
     @property
@@ -375,7 +393,7 @@ class Structure:
 
     @property
     def nodeCount(self):
-        return len(self._layout.nodes)
+        return self._layout.nodes
 
     # ---- into the scene --------------------------------------------------------------------------
 
@@ -449,13 +467,15 @@ class Structure:
             for structure in {tie[0], tie[2]}:
                 structure._ties.remove(tie)
         self._appendBodies()
+        self._number = len(engine.record)
+        self._note()
         _insertEngine(engine)
         return self
 
     def _addElements(self, engine):
         lay, sec = self._layout, self.section
         return engine.add(
-            np.ascontiguousarray(lay.nodes),
+            np.ascontiguousarray(lay.places),
             np.ascontiguousarray(lay.slopes),
             lay.ends.astype(np.int32, order="C"),
             lay.next.astype(np.int32),
@@ -466,6 +486,40 @@ class Structure:
             sec.rhoA,
             sec.damping,
         )
+
+    def _note(self):
+        """Saves with the engine what it does not know; see record.py."""
+        layout, section = self._layout, self.section
+        known = {
+            "class": type(self).__name__,
+            "label": self.name,
+            "first": self._first,
+            "knots": layout.knots,
+            "edges": layout.edges.tolist(),
+            "parts": layout.parts,
+            "material": section.material.id,
+            "section": {
+                "diameter": section.diameter,
+                "area": section.area,
+                "bending": section.bending,
+                "damping": section.damping,
+            },
+            "shows": {
+                "contact": self.contact,
+                "contactPoints": self._contactPoints,
+                "selfContact": self.selfContact,
+                "mask": self.mask,
+            },
+            "own": self._own(),
+        }
+        self.engine.note(self._number, json.dumps(known))
+
+    def _own(self):
+        """What only its class knows, for record.py."""
+        return {}
+
+    def _recall(self, own):
+        """Takes what _own() gave."""
 
     def _appendBodies(self):
         """Bodies that belong to the structure and come with it (bullets of a net)."""
@@ -516,12 +570,69 @@ class Structure:
 
     def _mayClaim(self, knot, what):
         """Refuses what does not go with that which holds a knot."""
-        held = self._claims.get(knot)
+        held = self._held().get(knot)
         if held and held != what and {held, what} != {"fixed", "clamped"}:
             raise ValueError(
                 f"{self.name}: knot {knot} is {held} and cannot be {what} as well; "
                 f"release({knot}) first, or take another knot"
             )
+
+    def _claim(self, knot, what):
+        """Notes what will hold a knot once it is in an engine, which knows it then."""
+        if not self.appended:
+            self._claims[knot] = what
+
+    def _held(self):
+        """What holds knots: knot -> "fixed", "clamped", "following body 3", "carrying body 3" or
+        "tied to knot 3 of Net".
+        """
+        if not self.appended:
+            return self._claims
+        engine = self.engine
+        first, lay = self._first[0], self._layout
+        standing = dict(zip(engine.tiedNodes, engine.tiedTo))
+        knots = {}  # node that stands for others -> our knots
+        held = {}
+        for node in standing:
+            if first <= node < first + lay.knots:
+                held[node - first] = self._tiedWith(engine.tied(node))
+                knots.setdefault(engine.tied(node), []).append(node - first)
+        ends = np.array(engine.clampedEnds, int) - 2 * self._first[1]
+        ends = ends[(ends >= 0) & (ends < 2 * self.elementCount)]
+        clamped = set(lay.ends.ravel()[ends].tolist())
+        holds = [(node, "fixed") for node in engine.fixedNodes]
+        for what, nodes, ids in (
+            ("following", engine.followNodes, engine.followIds),
+            ("carrying", engine.carryNodes, engine.carryIds),
+        ):
+            holds += [(node, f"{what} body {number}") for node, number in zip(nodes, ids)]
+        for node, what in holds:
+            own = [node - first] if first <= node < first + lay.knots else []
+            for knot in own + knots.get(node, []):
+                held[knot] = "clamped" if what == "fixed" and knot in clamped else what
+        return held
+
+    def _tiedWith(self, node):
+        """Names the knot that a node of the engine belongs to."""
+        from .record import structures
+
+        for other in structures():
+            knot = node - other._first[0]
+            if other._family == self._family and 0 <= knot < other._layout.knots:
+                return f"tied to knot {knot} of {other.name}"
+        return f"tied to node {node}"
+
+    @property
+    def _attached(self):
+        """(knot, body id) that it carries or follows."""
+        if not self.appended:
+            return [(k, int(w.split()[-1])) for k, w in self._claims.items() if " body " in w]
+        engine, first = self.engine, self._first[0]
+        nodes = [*engine.carryNodes, *engine.followNodes]
+        ids = [*engine.carryIds, *engine.followIds]
+        return [
+            (n - first, i) for n, i in zip(nodes, ids) if first <= n < first + self._layout.knots
+        ]
 
     def _when(self, condition, after=lambda: None):
         """Carries a condition of the engine out now, or at append, and then what follows from it.
@@ -537,10 +648,10 @@ class Structure:
         """Holds a knot where it is."""
         knot = self.knot(knot)
         self._mayClaim(knot, "fixed")
-        if self._claims.get(knot) in ("fixed", "clamped"):
+        if self._held().get(knot) in ("fixed", "clamped"):
             return
         self._when(lambda: self.engine.fix(self._node(knot)))
-        self._claims[knot] = "fixed"
+        self._claim(knot, "fixed")
 
     def clamp(self, knot):
         """Holds a knot where it is and the slopes of the cables at it. ValueError for springs,
@@ -552,9 +663,9 @@ class Structure:
                 f"{self.name}.clamp({knot}): springs have no slopes; use model='ancf', or fix"
             )
         self._mayClaim(knot, "clamped")
-        wasHeld = self._claims.get(knot) in ("fixed", "clamped")
+        wasHeld = self._held().get(knot) in ("fixed", "clamped")
         self._when(lambda: self._clampNow(knot, wasHeld))
-        self._claims[knot] = "clamped"
+        self._claim(knot, "clamped")
 
     def _clampNow(self, knot, wasHeld):
         engine = self.engine
@@ -573,7 +684,7 @@ class Structure:
             lambda: self.engine.follow(self._node(knot), bodyId),
             lambda: self._attach(knot, bodyId),
         )
-        self._claims[knot] = claim
+        self._claim(knot, claim)
 
     def carry(self, knot, bodyId, at=(0, 0, 0)):
         """Hangs a body on a knot: the knot stays at `at` [m] in the body's frame, the body's mass
@@ -593,7 +704,7 @@ class Structure:
             lambda: self._carryNow(knot, bodyId, at),
             lambda: (_makeCarried(O.bodies[bodyId]), self._attach(knot, bodyId)),
         )
-        self._claims[knot] = claim
+        self._claim(knot, claim)
 
     def _carryNow(self, knot, bodyId, at):
         engine, state = self.engine, O.bodies[bodyId].state
@@ -610,9 +721,9 @@ class Structure:
         self._when(lambda: self.engine.load(self._node(knot), force))
 
     def release(self, knot):
-        """Lets a fixed or following knot go, and takes its load away."""
+        """Lets a fixed, clamped or following knot go, and takes its load away."""
         knot = self.knot(knot)
-        held = self._claims.get(knot, "")
+        held = self._held().get(knot, "")
         if held.startswith(("carrying", "tied")):
             raise ValueError(f"{self.name}.release({knot}): it is {held}, which is for good")
         self._when(lambda: self.engine.release(self._node(knot)))
@@ -644,7 +755,7 @@ class Structure:
         else:
             for structure in {self, other}:
                 structure._ties.append(tie)
-        self._claims[knot] = claim
+        self._claim(knot, claim)
 
     def _sameEngine(self, other):
         if self._family != other._family:
@@ -665,7 +776,6 @@ class Structure:
         """The elements that meet at a knot, and those that reach into the body now, never touch the
         body that it carries or follows.
         """
-        self._attached.append((knot, bodyId))
         if not self.bodies:
             return
         body = O.bodies[bodyId]
@@ -702,9 +812,9 @@ class Structure:
         if not callable(f):
             remedy = "must be a function of a point, such as lambda p: Vector3(0, 0, 1)"
             values.refuse(f"{self.name}.setVelocity: f", f, remedy, TypeError)
-        for knot, bodyId in self._attached:
-            if self._claims.get(knot, "").startswith("carrying"):
-                findBody(f"{self.name}.setVelocity: knot {knot} carries", bodyId)
+        carried = [(k, i) for k, i in self._attached if self._held()[k].startswith("carrying")]
+        for knot, bodyId in carried:
+            findBody(f"{self.name}.setVelocity: knot {knot} carries", bodyId)
         nodes, slopes = self._state()
         step = 1e-4 * self._layout.length.min()
 
@@ -718,10 +828,9 @@ class Structure:
         self._velocity = (ofNodes, ofSlopes)
         if self.appended:
             self._pushVelocity()
-        for knot, bodyId in self._attached:
-            if self._claims.get(knot, "").startswith("carrying"):
-                state = O.bodies[bodyId].state
-                state.vel = f(state.pos)
+        for _, bodyId in carried:
+            state = O.bodies[bodyId].state
+            state.vel = f(state.pos)
 
     def _pushVelocity(self):
         if self._velocity is not None:
@@ -731,7 +840,7 @@ class Structure:
     def _state(self):
         """Nodes (n, 3) [m] and slopes (2 E, 3), ours only, as they are now."""
         if not self.appended:
-            return self._layout.nodes, self._layout.slopes
+            return self._layout.places, self._layout.slopes
         count = self.nodeCount
         raw = self.engine.state(self._first[0], count, self._first[1], self.elementCount)
         state = np.frombuffer(raw).reshape(-1, 3)
@@ -740,7 +849,7 @@ class Structure:
     def _knotAt(self, knot):
         """Position of one knot (3) [m]."""
         if not self.appended:
-            return self._layout.nodes[knot]
+            return self._layout.places[knot]
         return np.frombuffer(self.engine.state(self._first[0] + knot, 1, 0, 0))
 
     def _points(self, state, elements, xi):

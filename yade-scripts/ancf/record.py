@@ -1,0 +1,63 @@
+"""The Cable and Net objects of a scene, also after O.load.
+
+What an object knows beyond the CableEngine's attributes is saved with these, as one line of JSON
+each in CableEngine.record.
+"""
+
+import json
+
+import numpy as np
+from yade import O
+
+from .cables import Cable
+from .nets import Net
+from .structure import Section, Structure, cableEngines, chained
+
+KINDS = {"Cable": Cable, "Net": Net}
+
+
+def structures():
+    """The Cable and Net objects of the scene, in the order in which they were appended.
+
+    They are made anew at each call, also after O.load and in another process, and do all that those
+    of the script do that made the scene. Raises ValueError if CableEngine.record was damaged.
+    """
+    return [
+        _structure(engine, i, text)
+        for engine in cableEngines()
+        for i, text in enumerate(engine.record)
+    ]
+
+
+def _structure(engine, i, text):
+    try:
+        return _made(engine, i, json.loads(text))
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+        where = f"CableEngine {engine.family}.record[{i}] = {text[:60]!r}"
+        raise ValueError(
+            f"{where}: does not describe a Cable or Net of this engine ({error}): load another save"
+        ) from error
+
+
+def _made(engine, number, known):
+    made = object.__new__(KINDS[known["class"]])
+    knots, edges, parts = known["knots"], np.array(known["edges"]), known["parts"]
+    firstNode, firstElement = known["first"]
+    layout = chained(knots, edges, parts)
+    layout.runs = made._runs(edges, parts)
+    count = len(layout.ends)
+    elements = slice(firstElement, firstElement + count)
+    layout.length = np.array(engine.length[elements])
+    follows = np.array(engine.next[elements])
+    if len(layout.length) != count or firstNode + layout.nodes > engine.nNodes:
+        raise ValueError(f"{count} elements from {firstElement} on, of {engine.nElements}")
+    layout.next = np.where(follows < 0, -1, follows - firstElement)
+    section = Section(
+        material=O.materials[known["material"]], kind=engine.kind[firstElement], **known["section"]
+    )
+    Structure.__init__(made, known["label"], section, layout, **known["shows"])
+    made._engine, made._family, made._number = engine, engine.family, number
+    made._first = (firstNode, firstElement)
+    made.bodies = [b for b in engine.elementIds[elements] if b >= 0]
+    made._recall(known["own"])
+    return made
