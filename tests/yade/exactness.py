@@ -32,7 +32,7 @@ OUT = ROOT / "docs" / "images" / "robustness"
 FILES = ("xml", "xml.bz2", "yade", "yade.gz")
 THREADS = (1, 2, 3)
 VARIANTS = ("asleep", "awake", "NewtonIntegrator")
-STEPS, SAVES = 1500, 2
+STEPS, SAVES = 800, 1
 
 
 # ---- scenes --------------------------------------------------------------------------------------
