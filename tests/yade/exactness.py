@@ -63,14 +63,15 @@ def grains(kind, clumps=False):
         )
     random = np.random.default_rng(3)
     for k in range(18):
-        x, y, z = 0.02 * (k % 3 - 1), 0.02 * (k // 3 % 3 - 1), 0.014 + 0.02 * (k // 9)
-        at = np.array([x, y, z]) + 1e-3 * random.uniform(-1, 1, 3)
+        wide = 0.018 if clumps else 0.0135
+        at = [wide * (k % 3 - 1), 0.0135 * (k // 3 % 3 - 1), 0.008 + 0.0135 * (k // 9)]
+        at += 5e-4 * random.uniform(-1, 1, 3)
         parts = [
             utils.sphere(Vector3(*at + [offset, 0, 0]), 0.006, material="grain")
             for offset in ((0, 0.004) if clumps else (0,))
         ]
         number = O.bodies.appendClumped(parts)[0] if clumps else O.bodies.append(parts[0])
-        O.bodies[number].state.vel = Vector3(*random.uniform(-0.3, 0.3, 2), -0.5)
+        O.bodies[number].state.vel = Vector3(*random.uniform(-1, 1, 2), -1)
 
 
 def inNet(kind, clumps=False):
@@ -85,13 +86,13 @@ def inNet(kind, clumps=False):
 def onFloor(kind, clumps=False):
     """The same grains without a cable, in engines of YADE's own where they are of FrictMat."""
     grains(kind, clumps)
-    plane((0, 0, -0.012), (0.2, 0.2, 0.01), material="grain")
+    plane((0, 0, -0.0105), (0.2, 0.2, 0.01), material="grain")
     O.engines = bodyEngines(gravity=(0, 0, -9.81))
     if kind == "FrictMat":
         loop = O.engines[2]
         loop.physDispatcher.functors = [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()]
         loop.lawDispatcher.functors = [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]
-    O.dt = 2e-5
+    O.dt = 4e-5
 
 
 def pulley():
@@ -187,14 +188,14 @@ def save(folder, only, length, saves, short):
         SCENES[scene]()
         use(variant)
         met = 0
-        for n in at:
-            steps(n - O.iter)
-            met = max(met, touching())
-            for kind in FILES:
+        for n in (*at, length):
+            while O.iter < n:
+                steps(min(25, n - O.iter))
+                met = max(met, touching())
+            for kind in FILES if n < length else ():
                 O.save(f"{folder}/{number}-{n}.{kind}")
-        steps(length - O.iter)
         np.save(f"{folder}/{number}.npy", state())
-        pathlib.Path(f"{folder}/{number}.met").write_text(str(max(met, touching())))
+        pathlib.Path(f"{folder}/{number}.met").write_text(str(met))
 
 
 def load(folder, only, length, saves, short):
