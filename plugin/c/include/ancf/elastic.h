@@ -16,7 +16,7 @@ double ancf_strain(const ancf_model* m, const double* x, int element, double xi)
 // Tension at xi, damping included: EA eps |r'| for ANCF, the spring's force for springs [N].
 double ancf_tension(const ancf_model* m, int element, double xi);
 
-// Largest strain of an element, over its ends and middle; and the largest of all, with its element.
+// Largest strain of all elements, over their ends and middles, and its element; what is not a number is left out [-].
 double ancf_strain_max(const ancf_model* m, const double* x, int* element);
 
 #endif
