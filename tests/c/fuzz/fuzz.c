@@ -1,7 +1,7 @@
 // Feeds the public interface of plugin/c with inputs at random, partly hostile, in child processes:
 //     fuzz [count] [seed] [first]
-// Nothing ends by a signal or a sanitizer, nothing hangs, and what fuzz.h says holds. Prints the inputs that do not, each
-// of which comes again by `fuzz 1 seed number`.
+// Nothing ends by a signal or a sanitizer, nothing hangs, and what fuzz.h says holds. Prints the inputs that do not,
+// each of which comes again by `fuzz 1 seed number`.
 #define _DEFAULT_SOURCE
 #include "fuzz.h"
 
@@ -16,8 +16,8 @@ static const struct {
     const char* name;
     void (*run)(fuzz*);
     double share;
-} kinds[] = {{"laws", fuzz_laws, 0.2},   {"groove", fuzz_groove, 0.1},   {"places", fuzz_places, 0.15},
-             {"model", fuzz_model, 0.3}, {"table", fuzz_table, 0.15},     {"crossed", fuzz_crossed, 0.07},
+} kinds[] = {{"laws", fuzz_laws, 0.2},   {"groove", fuzz_groove, 0.1}, {"places", fuzz_places, 0.15},
+             {"model", fuzz_model, 0.3}, {"table", fuzz_table, 0.15},  {"crossed", fuzz_crossed, 0.07},
              {"rest", fuzz_rest, 0.03}};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 

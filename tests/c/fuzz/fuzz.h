@@ -55,9 +55,7 @@ int index_below(fuzz* f, int n);
 
 bool all_finite(const double* value, int n);
 
-static inline bool is_unit(const double n[3]) {
-    return fabs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1.0) < 1e-9;
-}
+static inline bool is_unit(const double n[3]) { return fabs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1.0) < 1e-9; }
 
 ancf_normal any_normal_law(fuzz* f);
 ancf_friction any_friction_law(fuzz* f);

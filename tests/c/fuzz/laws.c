@@ -9,8 +9,7 @@ static bool not_negative(double value) { return isfinite(value) && value >= 0.0;
 static void normal(fuzz* f) {
     const ancf_normal law = any_normal_law(f);
     const bool linear = law.kind == ANCF_NORMAL_LINEAR, hertz = law.kind == ANCF_NORMAL_HERTZ;
-    const bool right =
-        good(law.stiffness) && (linear || good(law.exponent)) && (hertz || not_negative(law.damping));
+    const bool right = good(law.stiffness) && (linear || good(law.exponent)) && (hertz || not_negative(law.damping));
     need((ancf_normal_check(&law) == ANCF_OK) == right);
     const double depth = magnitude(f, 1e-9, 1e-2), rate = between(f, -10.0, 10.0);
     const double force = ancf_normal_force(&law, depth, rate);

@@ -94,8 +94,7 @@ static void leapfrog(fuzz* f, built* b, double step, int steps) {
         for (int k = 0; k < 3 * b->def.n_elements; ++k) pull += step * fabs(b->m->pull[k]);
         time.last = step;
         const bool finite = all_finite(b->x, 3 * b->stride) && all_finite(b->v, 3 * b->stride);
-        for (int k = 0; k < 3 * b->stride && finite; ++k)
-            need(b->x[k] == twin.x[k] && (b->v[k] == twin.v[k]));
+        for (int k = 0; k < 3 * b->stride && finite; ++k) need(b->x[k] == twin.x[k] && (b->v[k] == twin.v[k]));
     }
     const double* g = b->m->gravity;
     bool alone = b->m->unloaded && f->chance == 0.0 && g[0] == 0.0 && g[1] == 0.0 && g[2] == 0.0;

@@ -59,7 +59,8 @@ static void touch_cable(ancf_contact* c, fuzz* f, ancf_table* t, const ancf_mode
 }
 
 static void any_contact(ancf_contact* c, fuzz* f, ancf_table* t, const ancf_model* m, int bodies) {
-    *c = (ancf_contact) {.side = {{-1, -1, {0}}, {-1, -1, {0}}}, .law = good_normal_law(f), .rub = good_friction_law(f)};
+    *c =
+        (ancf_contact) {.side = {{-1, -1, {0}}, {-1, -1, {0}}}, .law = good_normal_law(f), .rub = good_friction_law(f)};
     c->plain = c->law;
     if (by_chance(f, 0.2)) touch_cable(c, f, t, m);
     else touch_body(c, f, t, m, bodies);
@@ -72,7 +73,8 @@ static void any_contact(ancf_contact* c, fuzz* f, ancf_table* t, const ancf_mode
 }
 
 static bool fill(fuzz* f, ancf_table* t, const built* b) {
-    const int bodies = pick(f, 4), contacts = pick(f, 7), couplings = bodies > 0 && by_chance(f, 0.3) ? 1 + pick(f, 2) : 0;
+    const int bodies = pick(f, 4), contacts = pick(f, 7),
+              couplings = bodies > 0 && by_chance(f, 0.3) ? 1 + pick(f, 2) : 0;
     ancf_table_clear(t);
     for (int i = 0; i < bodies; ++i) {
         ancf_body body;
@@ -82,7 +84,8 @@ static bool fill(fuzz* f, ancf_table* t, const built* b) {
     for (int i = 0; i < contacts; ++i) {
         ancf_contact c;
         any_contact(&c, f, t, b->m, bodies);
-        if (c.side[0].place < 0 || (c.radius[1] != 0.0 && c.side[1].place < 0) || ancf_table_add_contact(t, &c) < 0) return false;
+        if (c.side[0].place < 0 || (c.radius[1] != 0.0 && c.side[1].place < 0) || ancf_table_add_contact(t, &c) < 0)
+            return false;
     }
     for (int i = 0; i < couplings; ++i) {
         ancf_coupling c = {.place = ancf_table_add_knot(t, b->m, any_knot(f, b->m)), .body = pick(f, bodies)};
@@ -96,16 +99,16 @@ static bool fill(fuzz* f, ancf_table* t, const built* b) {
 static void hold_to_laws(ancf_table* t, double step) {
     for (int i = 0; i < ancf_table_contacts(t); ++i) {
         const ancf_contact* c = ancf_table_contact(t, i);
-        need(c->impulse >= 0.0 && isfinite(c->impulse) && c->damped >= -1e-9 * (c->energy + c->damped));
-        const double size = sqrt(c->friction[0] * c->friction[0] + c->friction[1] * c->friction[1] +
-                                 c->friction[2] * c->friction[2]);
+        const double terms = c->energy + c->found + c->impulse * fabs(c->speed);
+        need(c->impulse >= 0.0 && isfinite(c->impulse) && c->damped >= -1e-9 * terms);
+        const double size =
+            sqrt(c->friction[0] * c->friction[0] + c->friction[1] * c->friction[1] + c->friction[2] * c->friction[2]);
         need(size * step <= fmax(c->rub.mu_s, c->rub.mu_k) * c->impulse * (1.0 + 1e-6) + 1e-12);
     }
 }
 
 // after: room for two fields.
-static bool step_through(fuzz* f, ancf_table* t, built* b, double step, bool first, bool sane,
-                         double* after) {
+static bool step_through(fuzz* f, ancf_table* t, built* b, double step, bool first, bool sane, double* after) {
     ancf_model* m = b->m;
     const ancf_time time = {step, first ? 0.0 : step};
     const size_t size = 3 * (size_t)b->stride;
@@ -157,7 +160,9 @@ void fuzz_table(fuzz* f) {
     if (ancf_table_create(&t, b.m) == ANCF_OK) {
         for (int filling = 0; filling < 2; ++filling)
             if (fill(f, t, &b))
-                for (int i = 0; i < steps && step_through(f, t, &b, step, i == 0, sane && i + filling == 0, after); ++i) {}
+                for (int i = 0; i < steps && step_through(f, t, &b, step, i == 0, sane && i + filling == 0, after);
+                     ++i) {
+                }
         ancf_table_destroy(t);
     }
     fuzz_fail_allocation(0);

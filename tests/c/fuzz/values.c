@@ -5,8 +5,9 @@
 #include <limits.h>
 
 double hostile_value(fuzz* f) {
-    static const double pool[] = {0.0,  -0.0,  1.0,    -1.0,   NAN,   INFINITY, -INFINITY, DBL_MAX, -DBL_MAX, DBL_MIN,
-                                  5e-324, 1e-300, 1e-160, 1e-100, 1e-30, 1e30,     1e99,      -1e99,   1e150,    1e300};
+    static const double pool[] = {0.0,     -0.0,     1.0,     -1.0,   NAN,    INFINITY, -INFINITY,
+                                  DBL_MAX, -DBL_MAX, DBL_MIN, 5e-324, 1e-300, 1e-160,   1e-100,
+                                  1e-30,   1e30,     1e99,    -1e99,  1e150,  1e300};
     enum { POOL = sizeof pool / sizeof *pool };
     if (by_chance(f, 0.7)) return pool[pick(f, POOL)];
     const double value = random_magnitude(&f->seed, 1e-20, 1e20);
@@ -45,9 +46,8 @@ ancf_normal any_normal_law(fuzz* f) {
 }
 
 ancf_friction any_friction_law(fuzz* f) {
-    ancf_friction law = {.kind = (ancf_friction_kind)pick(f, 3),
-                         .mu_k = between(f, 0.0, 1.0),
-                         .v0 = magnitude(f, 1e-6, 1e-1)};
+    ancf_friction law = {
+        .kind = (ancf_friction_kind)pick(f, 3), .mu_k = between(f, 0.0, 1.0), .v0 = magnitude(f, 1e-6, 1e-1)};
     law.mu_s = by_chance(f, 0.3) ? law.mu_k : law.mu_k + between(f, 0.0, 0.5);
     return law;
 }
@@ -196,7 +196,8 @@ ancf_cover* any_cover(fuzz* f, const ancf_model* m, int most, int kinds) {
 
 double any_step(fuzz* f, const ancf_model* m) {
     int element;
-    const double strain = ancf_strain_max(m, m->x, &element), stable = ancf_critical_step(m, 2.0 * strain + 1.0, &element);
+    const double strain = ancf_strain_max(m, m->x, &element),
+                 stable = ancf_critical_step(m, 2.0 * strain + 1.0, &element);
     need(element >= 0 && element < m->n_elements);
     const bool bears = isfinite(stable) && stable > 0.0;
     if (f->chance == 0.0) need(bears);
