@@ -210,4 +210,6 @@ void spoil(fuzz* f, const built* b) {
             if (by_chance(f, f->chance / 4.0)) b->x[c * b->stride + i] = hostile_value(f);
             if (by_chance(f, f->chance / 4.0)) b->v[c * b->stride + i] = hostile_value(f);
         }
+    build_share(b, b->x);
+    build_share(b, b->v);
 }
