@@ -42,7 +42,7 @@ static void answer_of_places(vectors v, const ancf_table* t, vectors impulse) {
 static void answer_of_knots(vectors v, const ancf_table* t, vectors impulse) {
     const ancf_mass* mass = t->model->mass;
     const int n = t->n_couplings;
-    if (!mass->diagonal) memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
+    if (!mass->diagonal && mass->n > 0) memset(mass->rhs, 0, (size_t)mass->n * sizeof *mass->rhs);
     for (int i = 0; i < n; ++i) {
         const int knot = knot_of(t, &t->coupling[i]), row = mass->row[knot];
         for (int k = 0; k < 3; k++) {

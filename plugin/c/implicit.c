@@ -1,6 +1,7 @@
 #include "ancf/implicit.h"
 #include "ancf/elastic.h"
 #include "ancf/mass.h"
+#include "ancf/stability.h"
 #include "internal.h"
 #include "stiffness.h"
 
@@ -107,13 +108,14 @@ static weights weights_of(double rho) {
                       .gamma = 0.5 - alpha_m + alpha_f};
 }
 
+// Where the last correction was largest, or not a number.
 static void find_fault(ancf_implicit* s, const ancf_model* m) {
     double largest = -1.0;
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < m->n_dof; ++i) {
             const double size = s->stiffness->per_size[i] * fabs(s->change[c * m->stride + i]);
-            if (size <= largest) continue;
-            largest = size;
+            if (m->hold[i] || size <= largest) continue;
+            largest = isnan(size) ? INFINITY : size;
             s->element = i < m->n_nodes ? m->at[m->first[i]] >> 1 : (i - m->n_nodes) % m->n_elements;
         }
 }
@@ -212,7 +214,7 @@ static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights*
         m->a[i] = a[i];
     }
     place_held(s, m, step, end, at + w->inertia_new * h);
-    if (!solve(s, m, a, w, h)) return false;
+    if (!solve(s, m, a, w, h) || !ancf_finite(m, m->x) || !ancf_finite(m, m->v)) return false;
     for (int i = 0; i < n; ++i) s->change[i] = m->x[i] - s->old_x[i];
     if (ancf_stiffness_turn(m, s->change) > farthest) return false;
     if (m->track) note_losses(s, m, w);

@@ -52,12 +52,27 @@ static ancf_error check_next(const ancf_def* def, int* where) {
     return error;
 }
 
-static ancf_error check_nodes(const ancf_def* def, int* where) {
+static ancf_error check_masses(const ancf_def* def, int* where) {
     for (int i = 0; def->mass && i < def->n_nodes; ++i) {
         *where = i;
         if (!isfinite(def->mass[i]) || def->mass[i] < 0.0) return ANCF_E_MASS;
     }
     return ANCF_OK;
+}
+
+// What moves is moved by elements.
+static ancf_error check_loose(const ancf_def* def, int* where) {
+    unsigned char* met = calloc((size_t)def->n_nodes, 1);
+    if (!met) return ANCF_E_MEMORY;
+    for (int k = 0; k < 2 * def->n_elements; ++k) met[def->ends[k]] = 1;
+    ancf_error error = ANCF_OK;
+    for (int i = 0; i < def->n_nodes && !error; ++i) {
+        if (met[i] || (def->hold && def->hold[i])) continue;
+        *where = i;
+        error = ANCF_E_LOOSE;
+    }
+    free(met);
+    return error;
 }
 
 static ancf_error check_state(const ancf_def* def, const double* x, const double* v, int* where) {
@@ -75,7 +90,8 @@ ancf_error ancf_model_check(const ancf_def* def, const double* x, const double* 
     if (def->n_nodes < 1 || def->n_elements < 1) return ANCF_E_EMPTY;
     ancf_error error = check_elements(def, where);
     if (!error) error = check_next(def, where);
-    if (!error) error = check_nodes(def, where);
+    if (!error) error = check_masses(def, where);
+    if (!error) error = check_loose(def, where);
     return error ? error : check_state(def, x, v, where);
 }
 

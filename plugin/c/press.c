@@ -84,6 +84,7 @@ static bool can_touch(const ancf_table* t, const ancf_contact* c, double step, d
 int ancf_table_substeps(ancf_table* t, double step, int* stiffest) {
     double highest = 0.0;
     int most = 0;
+    *stiffest = 0;
     for (int i = 0; i < t->n_places + t->n_bodies; ++i) t->stiffness[i] = 0.0;
     for (int i = 0; i < t->groups.n; ++i) t->groups.group[i].substeps = 0;
     for (int k = 0; k < t->groups.n; ++k) {

@@ -90,7 +90,8 @@ double ancf_tension(const ancf_model* m, int element, double xi) {
 }
 
 double ancf_strain_max(const ancf_model* m, const double* x, int* element) {
-    double largest = -1.0;
+    double largest = -INFINITY;
+    *element = 0;
     const int starts = m->n_nodes, ends = m->n_nodes + m->n_elements;
     for (int e = 0; e < m->n_elements; ++e) {
         double start = 0.0, middle = 0.0, end = 0.0; // squares of |r'|

@@ -6,11 +6,9 @@ Each value goes into a fork of one scene that runs. By command line many more, a
 
 import argparse
 import collections
-import json
 import os
 import random
 import re
-import signal
 import sys
 import time
 
@@ -21,11 +19,11 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import ancf
 from ancf import pulleys
+import forks
 from helpers import ball, bodyEngines, material, plane, steps
 from yade import O, Vector3, utils, wrapper
 
 NAN, INF, HUGE, MOST = float("nan"), float("inf"), 1e300, 2**31 - 1
-SECONDS = 20  # until a case counts as a hang
 BALL, CARRIED, LEADER, SHEAVE, SLIDER = range(4, 9)  # bodies; before them the elements
 STEPS = 12  # after a value is in: what is not finite is told within ten
 
@@ -116,23 +114,7 @@ def forked(act):
     """What `act` ends in, in a fork of this process: 'signal', 'hang', 'ran' (text: 'same' if the
     steps after it were as without), 'not finite', or the name of an exception; and its text.
     """
-    reader, writer = os.pipe()
-    child = os.fork()
-    if child == 0:
-        signal.alarm(SECONDS)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
-        os.write(writer, json.dumps(outcome(act)).encode()[:60000])
-        os._exit(0)
-    os.close(writer)
-    told = b""
-    while part := os.read(reader, 65536):
-        told += part
-    os.close(reader)
-    _, status = os.waitpid(child, 0)
-    if os.WIFSIGNALED(status):
-        number = os.WTERMSIG(status)
-        return ("hang", "") if number == signal.SIGALRM else ("signal", signal.Signals(number).name)
-    return tuple(json.loads(told))
+    return forks.forked(lambda: outcome(act))
 
 
 def outcome(act):

@@ -132,8 +132,8 @@ void ancf_table_destroy(ancf_table* table);
 void ancf_table_clear(ancf_table* table);
 int ancf_table_add_place(ancf_table* table, const ancf_model* m, int element, double xi);
 int ancf_table_add_mean(ancf_table* table, const ancf_model* m, int element,
-                        const double power[3]); // of several places
-int ancf_table_add_knot(ancf_table* table, const ancf_model* m, int node);
+                        const double power[3]);                                           // of several places
+int ancf_table_add_knot(ancf_table* table, const ancf_model* m, int node);                // where an element ends
 int ancf_table_add_slope(ancf_table* table, const ancf_model* m, int element, double xi); // a place that takes couples
 int ancf_table_add_body(ancf_table* table, const ancf_body* body);
 int ancf_table_add_contact(ancf_table* table, const ancf_contact* contact);

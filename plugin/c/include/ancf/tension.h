@@ -14,7 +14,7 @@ double ancf_strain(const ancf_model* m, const double* x, int element, double xi)
 // in the element's other half. Where that is not known it goes by the element's own weight.
 double ancf_tension(const ancf_model* m, int element, double xi);
 
-// Largest strain of all elements, over their ends and middles, with its element.
+// Largest strain of all elements, over their ends and middles, and its element; what is not a number is left out [-].
 double ancf_strain_max(const ancf_model* m, const double* x, int* element);
 
 #endif
