@@ -109,6 +109,11 @@ def fly(job):
     raise RuntimeError(f"{job}: no step is short enough")
 
 
+def largestArea(flight):
+    """Of the mouth on the way to the target, as part of the flat net's."""
+    return flight.area[flight.way < given.TARGET_DISTANCE].max()
+
+
 def plot(series, grid, file):
     """series: {parameter: [Flight, ...]}; grid: [Flight, ...] with the ball."""
     from ancf.plots import plt
@@ -141,17 +146,8 @@ def plot(series, grid, file):
     angles = sorted({f.angle for f in grid})
     at = {(f.speed, f.angle): f for f in grid}
     for ax, what in ((axes[1, 1], "area"), (axes[1, 2], "captured")):
-        value = np.array(
-            [
-                [
-                    at[s, a].area[at[s, a].way < given.TARGET_DISTANCE].max()
-                    if what == "area"
-                    else at[s, a].captured
-                    for a in angles
-                ]
-                for s in speeds
-            ]
-        )
+        of = largestArea if what == "area" else lambda flight: flight.captured
+        value = np.array([[of(at[s, a]) for a in angles] for s in speeds])
         image = ax.imshow(value, origin="lower", aspect="auto", cmap="YlGnBu", vmin=0)
         for i in range(len(speeds)):
             for j in range(len(angles)):

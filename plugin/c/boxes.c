@@ -10,20 +10,22 @@ static double lower(double a, double b) { return a < b ? a : b; }
 
 static double higher(double a, double b) { return a > b ? a : b; }
 
+struct start {
+    double low;
+    int element;
+};
+
 struct ancf_boxes {
     const ancf_cover* cover;
     int n;
     double ahead;
-    double* room;      // (n) [m]
-    double* reference; // (3 x stride) state in which the boxes were set
-    double* rest;      // (n_dof) zero
-    double* lever;     // (n_dof) by how much an unknown moves a control point of the curve [-], [m]
-    double* moved;     // (n_dof) from the reference, as control points move [m]
-    ancf_box* box;     // (n)
-    struct start {
-        double low;
-        int element;
-    } * order; // (n) by lower ends along an axis
+    double* room;        // (n) [m]
+    double* reference;   // (3 x stride) state in which the boxes were set
+    double* rest;        // (n_dof) zero
+    double* lever;       // (n_dof) by how much an unknown moves a control point of the curve [-], [m]
+    double* moved;       // (n_dof) from the reference, as control points move [m]
+    ancf_box* box;       // (n)
+    struct start* order; // (n) by lower ends along an axis
     int n_meetings, room_meetings;
     ancf_meeting *meeting, *spare; // spare: for sorting
     int* count;                    // (n + 1)

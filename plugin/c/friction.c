@@ -19,7 +19,10 @@ enum { SWEEPS = 2, RENEWALS = 20 };
 // neighbours alone, Newton's method costs little for all of them, and parts would hand on what is off one by one.
 // Others go round over parts of one body each, then, as long as that does not end, over larger ones.
 enum { FEW = 8, STAGES = 3 };
-static const struct { int most, rounds; } stage[STAGES] = {{1, 8}, {32, 16}, {ANCF_NEWTON_MOST, 32}};
+struct stage {
+    int most, rounds;
+};
+static const struct stage stage[STAGES] = {{1, 8}, {32, 16}, {ANCF_NEWTON_MOST, 32}};
 
 // Part of the largest friction impulse by which friction may be off, and below which a contact is left as it is.
 static const double tolerance = 1e-8;

@@ -41,7 +41,7 @@ public:
     }
 
     template <class List, class Good>
-    void each(const char* name, const List& list, Good good, const string& rule) const {
+    void each(const char* name, const List& list, const string& rule, Good good) const {
         for (size_t i = 0; i < list.size(); ++i)
             if (!good(list[i])) refuse(name, "[", i, "] = ", shown(list[i]), ": must be ", rule);
     }
@@ -49,19 +49,16 @@ public:
     // The whole numbers from `least` to below `end`, which are the numbers of something.
     template <class List>
     void within(const char* name, const List& list, int least, int end, const string& what) const {
-        each(
-            name, list, [&](int value) { return value >= least && value < end; },
-            text(what, ", ", least, " to ", end - 1));
+        each(name, list, text(what, ", ", least, " to ", end - 1),
+             [&](int value) { return value >= least && value < end; });
     }
 
     template <class List> void finiteEach(const char* name, const List& list) const {
-        each(
-            name, list, [](const auto& value) { return finite(value); }, "finite, and below 1e100");
+        each(name, list, "finite, and below 1e100", [](const auto& value) { return finite(value); });
     }
 
     template <class List> void notNegative(const char* name, const List& list) const {
-        each(
-            name, list, [](Real value) { return finite(value) && value >= 0; }, "finite and not below 0");
+        each(name, list, "finite and not below 0", [](Real value) { return finite(value) && value >= 0; });
     }
 
     void distinct(const char* name, vector<int> list, const char* why) const {

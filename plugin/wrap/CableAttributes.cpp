@@ -119,8 +119,7 @@ namespace {
         all.size("arc", c.arc, n, why);
         all.size("closed", c.closed, n, why);
         if (c.elementIds.size() != elements) all.size("elementIds", c.elementIds, n, why);
-        all.each(
-            "radius", c.radius, [](Real value) { return finite(value) && value > 0; }, "finite and above 0 [m]");
+        all.each("radius", c.radius, "finite and above 0 [m]", [](Real value) { return finite(value) && value > 0; });
         all.within("segments", c.segments, 1, CableEngine::segmentsMost + 1, "a number of segments");
         all.within("points", c.points, 0, 2, "no or yes");
         all.within("selfContact", c.selfContact, 0, 2, "no or yes");
@@ -128,8 +127,7 @@ namespace {
         all.within("run", c.run, 0, end, "the first element of a row");
         all.notNegative("arc", c.arc);
         all.notNegative("closed", c.closed);
-        all.each(
-            "elementIds", c.elementIds, [](int id) { return id >= -1; }, "a body, or -1 for none");
+        all.each("elementIds", c.elementIds, "a body, or -1 for none", [](int id) { return id >= -1; });
         vector<int> ids;
         for (size_t e = 0; e < c.elementIds.size(); ++e) {
             if (c.elementIds[e] < 0) continue;
@@ -216,8 +214,8 @@ namespace {
         all.within("sections", c.sections, 0, c.nElements() + 1, "elements, first and end");
         all.within("sectionBends", c.sectionBends, 0, 2, "no or yes");
         const auto positive = [](Real value) { return finite(value) && value > 0; };
-        all.each("sectionYoung", c.sectionYoung, positive, "finite and above 0 [Pa]");
-        all.each("sectionDensity", c.sectionDensity, positive, "finite and above 0 [kg/m³]");
+        all.each("sectionYoung", c.sectionYoung, "finite and above 0 [Pa]", positive);
+        all.each("sectionDensity", c.sectionDensity, "finite and above 0 [kg/m³]", positive);
     }
 
     // What the next step remembers: contacts between cables, and the watches over it.

@@ -33,8 +33,7 @@ void GuideEngine::checkLists() const {
     const Attributes all("GuideEngine");
     const size_t n = ids.size();
     const string why = text("one for each of ", n, " ids");
-    all.each(
-        "ids", ids, [](int id) { return id >= 0; }, "a body");
+    all.each("ids", ids, "a body", [](int id) { return id >= 0; });
     all.distinct("ids", ids, "a body is on one guide");
     for (const auto& [name, list] :
          {std::pair("friction", &friction), std::pair("viscous", &viscous), std::pair("push", &push),
@@ -52,16 +51,12 @@ void GuideEngine::checkLists() const {
     all.notNegative("friction", friction);
     all.notNegative("viscous", viscous);
     all.finiteEach("origin", origin);
-    all.each(
-        "direction", direction, [](const Vector3r& d) { return std::abs(d.norm() - 1) < 1e-9; }, "a unit vector");
-    all.each(
-        "lower", lower, [](Real value) { return value <= 0; }, "at most 0, where the body was added [m]");
-    all.each(
-        "upper", upper, [](Real value) { return value >= 0; }, "at least 0, where the body was added [m]");
+    all.each("direction", direction, "a unit vector", [](const Vector3r& d) { return std::abs(d.norm() - 1) < 1e-9; });
+    all.each("lower", lower, "at most 0, where the body was added [m]", [](Real value) { return value <= 0; });
+    all.each("upper", upper, "at least 0, where the body was added [m]", [](Real value) { return value >= 0; });
     all.within("driven", driven, 0, 2, "no or yes");
-    all.each(
-        "held", held, [](int value) { return value == sliding || value == byFriction || std::abs(value) == atUpper; },
-        "0 (slides), 1 (by friction), 2 (at the upper stop) or -2 (at the lower one)");
+    all.each("held", held, "0 (slides), 1 (by friction), 2 (at the upper stop) or -2 (at the lower one)",
+             [](int value) { return value == sliding || value == byFriction || std::abs(value) == atUpper; });
 }
 
 void GuideEngine::postLoad(GuideEngine&) { takeLists(); }

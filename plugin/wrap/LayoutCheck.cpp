@@ -122,21 +122,24 @@ namespace {
         return offset >= 0 && offset <= room && equalAt(start + offset, value);
     }
 
-    template <class C, class T> long offsetOf(T C::*member) {
+    template <class C, class T> using Member = T C::*;
+
+    template <class C, class T> long offsetOf(Member<C, T> member) {
         alignas(C) static char place[sizeof(C)]; // only its address is used
         const C* object = reinterpret_cast<const C*>(place);
         return reinterpret_cast<const char*>(&(object->*member)) - place;
     }
 
-    template <class C, class T, class V>
-    void addAttribute(Facts& facts, const std::string& className, const std::string& attribute, T C::*member, V value) {
+    template <class C, class T, class V> void addAttribute(Facts& facts, const std::string& className,
+                                                           const std::string& attribute, Member<C, T> member, V value) {
         const T typed(value);
         facts.push_back({className + "." + attribute, offsetOf(member),
                          [=](long offset) { return attributeHolds<T>(className, attribute, typed, offset); }});
     }
 
     template <class C, class F> void addFunctors(Facts& facts, const std::string& className,
-                                                 std::vector<shared_ptr<F>> C::*member, const std::string& functor) {
+                                                 Member<C, std::vector<shared_ptr<F>>> member,
+                                                 const std::string& functor) {
         facts.push_back({className + ".functors", offsetOf<C>(member), [=](long offset) {
                              const std::vector<shared_ptr<F>> one {YADE_PTR_DYN_CAST<F>(make(functor))};
                              return attributeHolds(className, "functors", one, offset);
@@ -199,8 +202,8 @@ namespace {
         return safeRead(&table, target, sizeof table) && symbolAt(table - 2) == vtableSymbol;
     }
 
-    template <class T>
-    void addPointer(Facts& facts, const std::string& member, T Scene::*pointer, const std::string& vtableSymbol) {
+    template <class T> void addPointer(Facts& facts, const std::string& member, Member<Scene, T> pointer,
+                                       const std::string& vtableSymbol) {
         facts.push_back({"Scene." + member, offsetOf(pointer),
                          [=](long offset) { return pointsTo("Scene", vtableSymbol, offset); }});
     }

@@ -36,8 +36,7 @@ void SheaveEngine::checkLists() const {
     const Attributes all("SheaveEngine");
     const size_t n = ids.size();
     const string why = text("one for each of ", n, " ids");
-    all.each(
-        "ids", ids, [](int id) { return id >= 0; }, "a body");
+    all.each("ids", ids, "a body", [](int id) { return id >= 0; });
     all.distinct("ids", ids, "a body turns once");
     for (const auto& [name, list] :
          {std::pair("viscous", &viscous), std::pair("dry", &dry), std::pair("torque", &torque),
@@ -52,9 +51,8 @@ void SheaveEngine::checkLists() const {
     all.size("load", load, n, why);
     all.notNegative("viscous", viscous);
     all.notNegative("dry", dry);
-    all.each(
-        "speed", speed, [](Real value) { return std::isnan(value) || finite(value); },
-        "finite [rad/s], or NaN for free");
+    all.each("speed", speed, "finite [rad/s], or NaN for free",
+             [](Real value) { return std::isnan(value) || finite(value); });
     all.within("scripted", scripted, numbers, torqueScript + 1, "what is a function of time");
     all.within("stuck", stuck, 0, 2, "no or yes");
     all.finiteEach("load", load);

@@ -22,7 +22,7 @@ static inline void check_near(double value, double expected, double tolerance, c
 // Absolute and relative comparison; a NaN fails.
 #define assert_near(value, expected, tolerance) check_near(value, expected, tolerance, #value, __FILE__, __LINE__)
 #define assert_close(value, expected, relative)                                                                        \
-    check_near(value, expected, (relative)*fabs(expected), #value, __FILE__, __LINE__)
+    check_near(value, expected, fabs(expected) * (relative), #value, __FILE__, __LINE__)
 
 // Uniform in [0, 1), the same numbers on every machine (splitmix64).
 static inline double random_unit(uint64_t* seed) {

@@ -122,7 +122,10 @@ static double rebound(const ancf_normal* law, double mass, double speed) {
 static void hunt_crossley_restitution(void** state) {
     (void)state;
     const double alpha[] = {0.08, 0.2, 0.32}, e[] = {0.892734, 0.768000, 0.672262}; // closed form, whatever k, n, m
-    const struct { double k, n, m; } body[] = {{1e6, 1.5, 0.05}, {3e8, 1.5, 2.0}, {1e4, 1.1, 0.01}, {1e7, 2.0, 0.3}};
+    struct body {
+        double k, n, m;
+    };
+    const struct body body[] = {{1e6, 1.5, 0.05}, {3e8, 1.5, 2.0}, {1e4, 1.1, 0.01}, {1e7, 2.0, 0.3}};
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++) {
             const ancf_normal law = {ANCF_NORMAL_NONLINEAR, body[j].k, body[j].n, alpha[i]};

@@ -80,6 +80,7 @@ def test_building_is_linear(scene, build, n):
 
 
 MEMORY = """
+import sys
 import ancf
 from yade import O
 
@@ -88,20 +89,29 @@ def resident():
         return next(int(line.split()[1]) for line in status if line.startswith("VmRSS"))
 
 O.materials.append(ancf.HollarsMat(label="cable", young=4.456e8, poisson=0.3, density=1440))
-n, before = 20000, resident()
+n, before = int(sys.argv[1]), resident()
 cable = ancf.Cable([(0, 0, 0), (0.01 * n, 0, 0)], n, diameter=1e-3, material="cable")
 O.engines = ancf.engines(cable)
 for _ in range(20):
     O.step()
-print((resident() - before) / n)
+print(resident() - before)
 """
 
 
-def test_an_element_takes_4_kilobytes(scene):
+def kilobytesOf(elements):
+    """Of a cable and its scene, with what the first step loads once."""
     run = subprocess.run(
-        [sys.executable, "-c", MEMORY], capture_output=True, text=True, env={**os.environ}
+        [sys.executable, "-c", MEMORY, str(elements)],
+        capture_output=True,
+        text=True,
+        env={**os.environ},
     )
     assert run.returncode == 0, run.stderr
-    kilobytes = float(run.stdout.split()[-1])
+    return float(run.stdout.split()[-1])
+
+
+def test_an_element_takes_4_kilobytes(scene):
+    few, many = 10000, 30000
+    kilobytes = (kilobytesOf(many) - kilobytesOf(few)) / (many - few)
     print(f"{kilobytes:.2f} kB an element, with its body")
     assert kilobytes < 4.0

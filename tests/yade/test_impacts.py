@@ -106,9 +106,8 @@ def box(fixed):
     b = utils.box(Vector3(0, 0, -0.03), (0.05, 0.05, 0.03), fixed=fixed, material="cable")
     if not fixed:
         b.state.mass = 0.1
-        b.state.inertia = (
-            0.1 / 3 * Vector3(0.05**2 + 0.03**2, 0.05**2 + 0.03**2, 2 * 0.05**2)
-        )
+        across = 0.05**2 + 0.03**2
+        b.state.inertia = 0.1 / 3 * Vector3(across, across, 2 * 0.05**2)
     i = O.bodies.append(b)
     return i, [] if fixed else [i]
 

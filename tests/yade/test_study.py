@@ -93,9 +93,10 @@ def test_target_before_the_folded_net_is_fine(scene):
 def test_cable_through_a_body_is_told(scene, shape):
     cable = cableOf(3)
     center = (0.02, 0, 0)
-    ball(center, 0.006, material="m") if shape == "ball" else plane(
-        center, (4e-3,) * 3, material="m"
-    )
+    if shape == "ball":
+        ball(center, 0.006, material="m")
+    else:
+        plane(center, (4e-3,) * 3, material="m")
     O.engines = ancf.engines(cable)
     with pytest.raises((ValueError, RuntimeError), match="start with an overlap of"):
         ancf.check()

@@ -9,6 +9,7 @@ from . import _load  # noqa: E402
 
 globals().update(_load.classes)
 
+from ._built import VERSION as __version__  # noqa: E402
 from .cables import Cable  # noqa: E402
 from .nets import Net  # noqa: E402
 from .record import structures  # noqa: E402

@@ -163,9 +163,10 @@ def section(
     springs = model == "springs"
     if springs and bending is not None and bending != 0:
         values.refuse(f"{name}.bending", bending, "springs do not bend; use model='ancf'")
-    area = (
-        np.pi * diameter**2 / 4 if area is None else values.positive(f"{name}.area", area, "m2")
-    )
+    if area is None:
+        area = np.pi * diameter**2 / 4
+    else:
+        area = values.positive(f"{name}.area", area, "m2")
     if springs:
         bending = 0.0
     if bending is not None:

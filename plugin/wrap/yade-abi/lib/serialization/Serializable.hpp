@@ -71,14 +71,16 @@ template <class T> struct FromPython<vector<T>> {
     }
 };
 
-template <class C, class T> py::object attributeGetter(T C::*member) {
+template <class C, class T> using Member = T C::*;
+
+template <class C, class T> py::object attributeGetter(Member<C, T> member) {
     using ByValue = py::return_value_policy<py::return_by_value>;
     if constexpr (seenByReference<T>) return py::make_getter(member);
     else return py::make_getter(member, ByValue());
 }
 
 // A value that postLoad refuses does not stay; the object is what it was before.
-template <class C, class T> py::object attributeSetter(T C::*member, int flags) {
+template <class C, class T> py::object attributeSetter(Member<C, T> member, int flags) {
     auto set = [member, flags](C& object, const py::object& given) {
         T value = FromPython<T>::read(given), old = object.*member;
         object.*member = value;
@@ -97,7 +99,7 @@ template <class C, class T> py::object attributeSetter(T C::*member, int flags) 
 }
 
 template <class PyClass, class C, class T>
-void exposeAttribute(PyClass& cls, const char* name, T C::*member, int flags, const std::string& doc) {
+void exposeAttribute(PyClass& cls, const char* name, Member<C, T> member, int flags, const std::string& doc) {
     if (flags & Attr::hidden) return;
     const std::string fullDoc = doc + " :yattrflags:`" + std::to_string(flags) + "` ";
     if (flags & Attr::readonly) cls.add_property(name, attributeGetter(member), fullDoc.c_str());
@@ -158,6 +160,7 @@ inline py::docstring_options docstringOptions() { return py::docstring_options(t
 #define ANCF_INITIALIZER(r, last, i, pair)                                                                             \
     BOOST_PP_TUPLE_ELEM(2, 0, pair)(BOOST_PP_TUPLE_ELEM(2, 1, pair)) BOOST_PP_COMMA_IF(BOOST_PP_NOT_EQUAL(last, i))
 #define ANCF_INITIALIZERS(pairs)                                                                                       \
+    BOOST_PP_IF(BOOST_PP_SEQ_SIZE(pairs), :, )                                                                         \
     BOOST_PP_SEQ_FOR_EACH_I(ANCF_INITIALIZER, BOOST_PP_DEC(BOOST_PP_SEQ_SIZE(pairs)), pairs)
 
 // Saving, and the attributes as Python sees them. The order in the archive: base, then attributes as declared.
@@ -196,10 +199,7 @@ public:                                                                         
 #define YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(klass, base, doc, attrs, inits, ctor, pyExtras)                         \
 public:                                                                                                                \
     BOOST_PP_SEQ_FOR_EACH(ANCF_EACH_DECLARE, ~, attrs)                                                                 \
-    klass() BOOST_PP_IF(BOOST_PP_SEQ_SIZE(inits attrs),                                                                \
-                        :, ) ANCF_INITIALIZERS(inits BOOST_PP_SEQ_FOR_EACH(ANCF_EACH_INIT_PAIR, ~, attrs)) {           \
-        ctor;                                                                                                          \
-    }                                                                                                                  \
+    klass() ANCF_INITIALIZERS(inits BOOST_PP_SEQ_FOR_EACH(ANCF_EACH_INIT_PAIR, ~, attrs)) { ctor; }                    \
     ANCF_ATTRIBUTE_ACCESS(klass, base, attrs)                                                                          \
     void pyRegisterClass(::boost::python::object where) override {                                                     \
         checkPyClassRegistersItself(#klass);                                                                           \
