@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "Sheave.hpp"
 
+#include "Gl.hpp"
 #include "text.hpp"
 
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 #include <pkg/dem/ScGeom.hpp>
-
-#include <dlfcn.h>
 
 #include <cmath>
 #include <sstream>
@@ -163,34 +162,8 @@ bool Ig2_Sheave_Sphere_ScGeom::go(const shared_ptr<Shape>& shape1, const shared_
     return true;
 }
 
-namespace {
-    // OpenGL's calls, looked up where there is a picture to draw: the plugin does not need the library otherwise.
-    struct Gl {
-        enum { lines = 1, lineStrip = 3, triangleStrip = 5 };
-        void (*begin)(unsigned);
-        void (*end)();
-        void (*normal)(float, float, float);
-        void (*vertex)(float, float, float);
-        void (*color)(float, float, float);
-
-        Gl() {
-            void* library = dlopen("libGL.so.1", RTLD_LAZY | RTLD_GLOBAL);
-            if (!library) throw std::runtime_error("Gl1_Sheave: there is no libGL.so.1");
-            load(begin, library, "glBegin");
-            load(end, library, "glEnd");
-            load(normal, library, "glNormal3f");
-            load(vertex, library, "glVertex3f");
-            load(color, library, "glColor3f");
-        }
-        template <class F> static void load(F& function, void* library, const char* name) {
-            function = reinterpret_cast<F>(dlsym(library, name));
-            if (!function) throw std::runtime_error(string("Gl1_Sheave: libGL.so.1 has no ") + name);
-        }
-    };
-} // namespace
-
 void Gl1_Sheave::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wire, const GLViewInfo&) {
-    static const Gl gl;
+    const Gl& gl = Gl::calls();
     constexpr int parts = 48;
     const auto& sheave = static_cast<const Sheave&>(*shape);
     const auto line = sheave.outline();

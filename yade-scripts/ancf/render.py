@@ -372,13 +372,21 @@ def _balls(frame):
     addField(data.GetPointData(), "color", _bytes(frame.colors))
     mapper = vtkGlyph3DMapper()
     mapper.SetInputData(data)
-    mapper.SetSourceData(polyData(*sphere(64 if n < 100 else 32 if n < 3000 else 16)))
+    mapper.SetSourceData(_ball(64 if n < 100 else 32 if n < 3000 else 16))
     mapper.SetScaleModeToScaleByMagnitude()
     mapper.SetScaleArray("radius")
     mapper.SetColorModeToDirectScalars()
     mapper.SetScalarModeToUsePointFieldData()
     mapper.SelectColorArray("color")
     return _actor(mapper)
+
+
+def _ball(across):
+    """The unit sphere, lit smoothly."""
+    points, faces = sphere(across)
+    data = polyData(points, faces)
+    data.GetPointData().SetNormals(addField(data.GetPointData(), "normals", points))
+    return data
 
 
 def _faces(parts):
@@ -407,9 +415,7 @@ def _ground(frame, view):
     middle = middle + (view.ground - middle @ up) * up
     side = view.right
     ahead = np.cross(up, side)
-    corners = middle + half * np.array(
-        [-side - ahead, side - ahead, side + ahead, ahead - side]
-    )
+    corners = middle + half * np.array([-side - ahead, side - ahead, side + ahead, ahead - side])
     return _faces([(corners, np.array([[0, 1, 2, 3]]), _color("ground", COLORS["ground"]))])
 
 
@@ -476,15 +482,23 @@ def _tensionColors(frames, view):
     all_ = [t for f in frames for _, t, _ in f.cables]
     if not all_:
         return None
-    low, high = view.tension or (0.0, float(np.percentile(np.concatenate(all_), 99)))
+    low, high = view.tension or (0.0, _roundUp(np.percentile(np.concatenate(all_), 99)))
     table = vtkLookupTable()
     shades = matplotlib.colors.LinearSegmentedColormap.from_list("tension", TENSION)
     table.SetNumberOfTableValues(256)
     for i in range(256):
         table.SetTableValue(i, *shades(i / 255))
-    table.SetTableRange(low, high if high > low else low + 1)
+    table.SetTableRange(low, high)
     table.Build()
     return table
+
+
+def _roundUp(tension):
+    """The next of 1, 2, 4 or 8 times a power of ten [N]; 1 where nothing pulls."""
+    if tension <= 0:
+        return 1.0
+    ten = 10.0 ** math.floor(math.log10(tension))
+    return next(k * ten for k in (1, 2, 4, 8, 10) if tension <= k * ten)
 
 
 def _addBar(renderer, colors):
@@ -494,7 +508,8 @@ def _addBar(renderer, colors):
     bar.UnconstrainedFontSizeOn()
     bar.SetLabelFormat("%.3g")
     bar.SetBarRatio(0.3)
-    bar.GetPositionCoordinate().SetValue(0.02, 0.1)
+    bar.SetTextPad(6)
+    bar.GetPositionCoordinate().SetValue(0.06, 0.08)
     bar.SetWidth(0.8)
     bar.SetHeight(0.75)
     style = bar.GetLabelTextProperty()
@@ -505,8 +520,7 @@ def _addBar(renderer, colors):
     style.BoldOff()
     style.ShadowOff()
     renderer.AddViewProp(bar)
-    _addText(renderer, "tension", 0.02, 0.92, size=17)
-    _addText(renderer, "[N]", 0.02, 0.885, size=17)
+    _addText(renderer, "tension\n[N]", 0.06, 0.91, size=16)
 
 
 # ---- pictures ------------------------------------------------------------------------------------
