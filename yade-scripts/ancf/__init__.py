@@ -11,6 +11,7 @@ globals().update(_load.classes)
 
 from .cables import Cable  # noqa: E402
 from .nets import Net  # noqa: E402
+from .running import progress  # noqa: E402
 from .scene import check, engines, plan, timeStep  # noqa: E402
 
-__all__ = [*_load.classes, "Cable", "Net", "check", "engines", "plan", "timeStep"]
+__all__ = [*_load.classes, "Cable", "Net", "check", "engines", "plan", "progress", "timeStep"]

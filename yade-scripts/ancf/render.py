@@ -61,7 +61,7 @@ class View:
     angle       of view, from bottom to top [deg]
     cables      'tension': coloured by it, with a bar; or a colour
     tension     ends of the bar (low, high) [N]; what is beyond has the colour of the end. None: from 0 to
-                what all but a hundredth of the places have
+                what all but a twentieth of the places have
     ground      height of a plane across `up` through it [m]; None: there is none
     scale       a bar that shows lengths at the distance of the middle
 
@@ -115,17 +115,33 @@ class View:
         center = np.array(self.focus, float) if self.focus is not None else center
         x, y, z = ((points - center) @ axis for axis in (self.right, over, self.back))
         half = 0.92 * math.tan(math.radians(self.angle) / 2)  # leaves a margin
-        away, aside = [], []
+        away = []
         for q, edge in ((x, half * aspect), (y, half)):
-            # A ball touches the plane through the eye with this slope at distance D if
-            # D = z + (+-q + r sqrt(1 + edge^2))/edge, and the middle may go aside by `aside`.
+            # A ball touches the plane through the eye with this slope at distance
+            # z + (+-q + r sqrt(1 + edge^2))/edge; the middle is free to go aside.
             reach = z + radius * math.hypot(1, edge) / edge
             one, other = (reach + q / edge).max(), (reach - q / edge).max()
-            free = self.focus is None
-            aside.append((one - other) / 2 * edge if free else 0.0)
-            away.append((one + other) / 2 if free else max(one, other))
-        middle = center + aside[0] * self.right + aside[1] * over
-        return middle + max(away) / self.zoom * self.back, middle
+            away.append((one + other) / 2 if self.focus is None else max(one, other))
+        distance = max(away)
+        if self.focus is None:
+            depth = distance - z
+            center = center + _middle(x, depth, radius) * self.right
+            center = center + _middle(y, depth, radius) * over
+        return center + distance / self.zoom * self.back, center
+
+
+def _middle(q, depth, radius):
+    """Where balls at q (n) across and depth (n) ahead of the eye [m] reach as far to either side."""
+    low, high = (q - radius).min(), (q + radius).max()
+    for _ in range(50):
+        at = 0.5 * (low + high)
+        angle = np.arctan2(q - at, depth)
+        wide = np.arcsin(np.minimum(1, radius / np.hypot(q - at, depth)))
+        if (angle + wide).max() > -(angle - wide).min():
+            low = at
+        else:
+            high = at
+    return 0.5 * (low + high)
 
 
 def _unit(v):
@@ -167,6 +183,7 @@ class Frame:
         self.centers = np.array([list(O.bodies[i].state.pos) for i in round_]).reshape(-1, 3)
         self.radii = np.array([shapes[i].radius for i in round_])
         self.colors = np.array([colors[i] for i in round_]).reshape(-1, 3)
+        self.surfaces, self.walls = [], []
         flat = surfaces([i for i in ids if i not in set(round_)], self.extent()[0])
         self.surfaces = [(p, f, colors[i]) for i, p, f in flat if not _endless(shapes[i])]
         self.walls = [(p, f, colors[i]) for i, p, f in flat if _endless(shapes[i])]
@@ -181,7 +198,10 @@ class Frame:
         """Points (n, 3) and radii (n) [m] of balls that hold all that must be in the picture."""
         points = [c for c, _, _ in self.cables] + [self.centers]
         radii = [np.full(len(c), r) for c, _, r in self.cables] + [self.radii]
-        for p, _, _ in getattr(self, "surfaces", []) or getattr(self, "walls", []):
+        others = self.surfaces
+        if not (self.cables or len(self.radii) or others):
+            others = self.walls
+        for p, _, _ in others:
             points.append(p)
             radii.append(np.zeros(len(p)))
         return np.concatenate(points), np.concatenate(radii)
@@ -201,9 +221,9 @@ def _endless(shape):
 
 
 @contextlib.contextmanager
-def _screen():
-    """An X server in memory, for as long as something is drawn: VTK needs one, and leaves the user's
-    alone.
+def screen():
+    """An X server in memory, as DISPLAY, for as long as something is drawn: VTK needs one, and leaves the
+    user's alone. RuntimeError where Xvfb is not installed, or does not start.
     """
     if shutil.which("Xvfb") is None:
         raise RuntimeError("pictures need Xvfb, which is not installed: apt install xvfb")
@@ -288,7 +308,7 @@ class _Sheet:
 
 @contextlib.contextmanager
 def _sheet(rows, columns, cell, bar):
-    with _screen():
+    with screen():
         made = _Sheet(rows, columns, cell, bar)
         try:
             yield made
@@ -482,7 +502,7 @@ def _tensionColors(frames, view):
     all_ = [t for f in frames for _, t, _ in f.cables]
     if not all_:
         return None
-    low, high = view.tension or (0.0, _roundUp(np.percentile(np.concatenate(all_), 99)))
+    low, high = view.tension or (0.0, _roundUp(np.percentile(np.concatenate(all_), 95)))
     table = vtkLookupTable()
     shades = matplotlib.colors.LinearSegmentedColormap.from_list("tension", TENSION)
     table.SetNumberOfTableValues(256)

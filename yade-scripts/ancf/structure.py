@@ -307,7 +307,6 @@ class Span:
         at.append((self._run.count - 1, 1.0))
         return np.array([engine.tension(self._engineElement(e), xi) for e, xi in at])
 
-
     def curvatures(self, k=8):
         """Curvature |r' x r''| / |r'|^3 of the curve at the points of curve(k), at nodes that of the
         element that begins there, (k count + 1) numpy [1/m]; 0 for springs.
