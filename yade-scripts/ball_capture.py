@@ -11,7 +11,6 @@ import sys
 import time
 
 import numpy as np
-from tqdm import tqdm
 
 import ancf
 from yade import O, utils
@@ -116,12 +115,7 @@ class Capture:
         self.history = History(self.net)
         self.film = Film([self.net], [self.ball]) if pictures else None
         self.contacts, self.energy = [], []
-        self.duration, self.steps = duration, int(np.ceil(duration / O.dt))
-        self.every = max(1, round(SAMPLE / O.dt))
-        form = "{desc} {percentage:3.0f}% |{bar}| {n:.2f}/{total:.2f} s simulated"
-        self.bar = tqdm(
-            total=duration, desc=title, leave=False, bar_format=form, mininterval=0.3, disable=None
-        )
+        self.duration, self.title = duration, title
         O.trackEnergy = True
 
     def sample(self):
@@ -130,19 +124,15 @@ class Capture:
         self.energy.append(O.energy.total())
         if self.film and len(self.contacts) % 2:
             self.film.take()
-        self.bar.update(min(O.time, self.duration) - self.bar.n)
 
     def run(self):
-        wall = 0.0
+        self.wall = 0.0
         self.sample()
-        while O.iter < self.steps:
-            start = time.perf_counter()
-            for _ in range(min(self.every, self.steps - O.iter)):
-                O.step()
-            wall += time.perf_counter() - start
+        start = time.perf_counter()
+        for _ in ancf.progress(self.duration, SAMPLE, self.title):
+            self.wall += time.perf_counter() - start
             self.sample()
-        self.bar.close()
-        self.wall = wall
+            start = time.perf_counter()
         return self
 
     # ---- what came out

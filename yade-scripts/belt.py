@@ -93,9 +93,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     cable, ids, engine = build()
     rows = []
-    while O.time < args.duration:
-        for _ in range(max(1, round(2e-3 / O.dt))):
-            O.step()
+    for _ in ancf.progress(args.duration, 2e-3, "belt"):
         wrap = pulleys.wrap(cable, ids[1])
         if wrap is None or O.bodies[ids[1]].state.angVel[1] < 0:
             break

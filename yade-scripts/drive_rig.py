@@ -213,14 +213,13 @@ def main():
     print("assumed:", ", ".join(f"{k} = {v:g}" for k, v in ASSUMED.items()))
     balance = Balance()
     read = reader(cable, sheave, engine, guide, body)
-    rows, wall, sample = [], 0.0, max(1, round(0.01 / O.dt))
-    steps = round(args.duration / O.dt)
-    for done in range(0, steps, sample):
-        begin = time.perf_counter()
-        for _ in range(min(sample, steps - done)):
-            O.step()
+    rows, wall, before = [], 0.0, O.iter
+    begin = time.perf_counter()
+    for _ in ancf.progress(args.duration, 0.01, "drive rig"):
         wall += time.perf_counter() - begin
         rows.append(read())
+        begin = time.perf_counter()
+    steps = O.iter - before
     print(
         f"step {O.dt:.3g} s, {wall / steps * 1e6:.1f} us a step, {wall / O.time:.2f} s wall for 1 s"
     )

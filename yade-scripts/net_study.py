@@ -130,7 +130,8 @@ class Run:
     """One capture, and what is measured in it."""
 
     def __init__(self, target, model, nudge=0, duration=DURATION, pictures=(), smaller=1.0):
-        from ancf.plots import Frame, History
+        from ancf.plots import History
+        from ancf.render import Frame
 
         self.target, self.model, self.nudge = target, model, nudge
         net, number = build(target, model, nudge)
@@ -142,16 +143,14 @@ class Run:
         history, self.penetration, self.contacts, self.frames = History(net), [], [], []
         perElement = PER_EDGE * len(net.spans) // net.elementCount
         steps, every = int(np.ceil(duration / O.dt)), max(1, round(SAMPLE / O.dt))
-        ahead, bodies, wall = list(pictures), {number: None, **dict.fromkeys(net.bullets)}, 0.0
-        for i in net.bullets:
-            bodies[i] = "#c0392b"
+        ahead, wall = list(pictures), 0.0
         momentum = np.array(net.engine.momentum()[0])
         while True:
             history.sample()
             self.contacts.append(net.engine.contacts)
             self.penetration.append(depth(net.curve(perElement), body, net.radius).max())
             while ahead and O.time >= ahead[0] - 0.5 * SAMPLE:
-                self.frames.append(Frame([net], bodies, 8))
+                self.frames.append(Frame([net], [number]))
                 ahead.pop(0)
             if O.iter >= steps:
                 break
@@ -428,33 +427,13 @@ def plotPenetration(runs, file):
 
 def plotPictures(runs, target, file):
     """Pictures of the unperturbed run, a row a model: Figs. 10-15."""
-    from ancf.plots import Camera, draw, plt
+    from ancf.render import CABLE, View, sheet
 
     models = [m for t, m in runs if t == target and runs[t, m][0].frames]
-    frames = {m: runs[target, m][0].frames for m in models}
-    columns = max(len(f) for f in frames.values())
-    figure, axes = plt.subplots(
-        len(models), columns, figsize=(3.1 * columns, 3.1 * len(models)), squeeze=False
-    )
-    for column in range(columns):
-        points = np.vstack([frames[m][column].points() for m in models])
-        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-        size = np.linalg.norm(np.ptp(points, axis=0))
-        camera = Camera(middle, -50, 22, 3 * size)
-        flat = camera.project(points)[0]
-        center, half = 0.5 * (flat.min(0) + flat.max(0)), 0.54 * np.ptp(flat, axis=0).max()
-        for row, model in enumerate(models):
-            ax, frame = axes[row, column], frames[model][column]
-            draw(ax, frame, camera, width=0.9)
-            ax.set_xlim(center[0] - half, center[0] + half)
-            ax.set_ylim(center[1] - half, center[1] + half)
-            if row == 0:
-                ax.set_title(f"{frame.time:.2f} s", fontsize=11)
-            if column == 0:
-                ax.set_ylabel(model, fontsize=11)
-    figure.tight_layout()
-    figure.savefig(file, dpi=90)
-    plt.close(figure)
+    rows = [runs[target, m][0].frames for m in models]
+    titles = [f"{frame.time:.2f} s" for frame in max(rows, key=len)]
+    view = View(direction=(-0.60, 0.71, -0.37), cables=CABLE)
+    sheet(file, rows, view, titles, models, cell=(300, 300))
 
 
 # ---- the whole -----------------------------------------------------------------------------------

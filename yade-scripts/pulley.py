@@ -101,9 +101,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     cable, sheave, engine, weights = build()
     rows = []
-    while O.time < args.duration:
-        for _ in range(max(1, round(2e-3 / O.dt))):
-            O.step()
+    for _ in ancf.progress(args.duration, 2e-3, "pulley"):
         wrap = pulleys.wrap(cable, sheave)
         one, two = (O.bodies[i].state.vel[2] for i in weights)
         spin = O.bodies[sheave].state.angVel[1]

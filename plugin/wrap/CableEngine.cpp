@@ -24,24 +24,27 @@ Scene& CableEngine::theScene() const { return *Omega::instance().getScene(); } /
 
 void CableEngine::refuse(const string& why) const { throw std::runtime_error(text("CableEngine ", family, ": ", why)); }
 
+CableEngine* CableEngine::of(const Scene& scene, int family) {
+    for (const auto& engine : scene.engines)
+        if (auto* cables = dynamic_cast<CableEngine*>(engine.get()); cables && cables->family == family) return cables;
+    return nullptr;
+}
+
 shared_ptr<const CableView> CableEngine::viewOf(const Scene& scene, int family) {
     const Guard guard;
-    for (const auto& engine : scene.engines) {
-        auto* cables = dynamic_cast<CableEngine*>(engine.get());
-        if (!cables || cables->family != family) continue;
-        try {
-            cables->scene = const_cast<Scene*>(&scene); // in the first step after loading, it still has the old one
-            if (!cables->model) cables->build();
-            cables->checkPartners();
-            cables->touching.planFor(*cables, scene.dt);
-        } catch (const std::exception&) {
-            return nullptr; // it tells in its own step
-        }
-        const auto view = cables->touching.view();
-        view->use();
-        return view;
+    CableEngine* const cables = of(scene, family);
+    if (!cables) return nullptr;
+    try {
+        cables->scene = const_cast<Scene*>(&scene); // in the first step after loading, it still has the old one
+        if (!cables->model) cables->build();
+        cables->checkPartners();
+        cables->touching.planFor(*cables, scene.dt);
+    } catch (const std::exception&) {
+        return nullptr; // it tells in its own step
     }
-    return nullptr;
+    const auto view = cables->touching.view();
+    view->use();
+    return view;
 }
 
 // Functors of this step may read it, in other threads.

@@ -4,6 +4,7 @@
 
 #include "CableContacts.hpp"
 #include "Guard.hpp"
+#include "StepClock.hpp"
 
 #include <core/GlobalEngine.hpp>
 #include <core/Scene.hpp>
@@ -66,6 +67,7 @@ class CableEngine : public GlobalEngine {
     bool forgotten = false; // its scene is gone
     bool loaded = false;    // forces may stand in model->external
     bool stepped = false;   // the model has forces and accelerations of a step
+    StepClock clock;
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
@@ -192,6 +194,8 @@ public:
     static constexpr int segmentsMost = 64;   // of an element
     static constexpr int substepsMost = 1000; // in an O.dt
 
+    // The engine of that family in O.engines, or null.
+    static CableEngine* of(const Scene& scene, int family);
     // What the elements' bodies of an engine of that family read; null if there is none or it cannot be built.
     static shared_ptr<const CableView> viewOf(const Scene& scene, int family);
 
@@ -320,7 +324,7 @@ public:
         ((Real, energyScale, 0, Attr::readonly, "Largest of their energies and works so far [J]."))
         ((vector<Real>, balance, , Attr::hidden, "Sums of the energy watch."))
         ((vector<Vector3r>, carryReaction, , Attr::readonly, "Forces of the carried bodies on their nodes in the last step [N].")),
-        ,
+        timingDeltas = shared_ptr<TimingDeltas>(new TimingDeltas);,
         .add_property("position", &CableEngine::getPosition, &CableEngine::setPosition, "Positions of nodes [m] and slopes [-]: blocks x, y, z of `stride`, in each the nodes, the slopes at the starts of all elements, those at the ends. ValueError for another length, or what is not finite.")
         .add_property("velocity", &CableEngine::getVelocity, &CableEngine::setVelocity, "Their rates at the last half step, with implicit steps at the time of the positions, in the same order [m/s, 1/s]. ValueError likewise.")
         .add_property("stride", &CableEngine::getStride, "Length of a block of `position`.")

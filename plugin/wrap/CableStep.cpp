@@ -211,13 +211,17 @@ void CableEngine::stepExplicit(int inside) {
     for (int k = 0; k < inside; ++k) {
         const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
         if (!alone) ancf_predict(model.get(), &time);
+        clock.passed(StepClock::ELASTIC);
         noteWorked();
         if (k == 0 && measured) measureEnergy(time);
         if (k == 0 && scene->trackEnergy) noteEnergy();
         if (k == 0 && look) lookAtBalance(time);
+        clock.passed(StepClock::ENERGY);
         if (k == 0 && !alone) touching.gather(*this);
+        clock.passed(StepClock::GATHER);
         touching.solve(*this, time, k, inside);
         if (k == 0) checkFound();
+        clock.passed(StepClock::CONTACT);
         if (integrator == "rk4") {
             if (touching.displacement())
                 refuse("integrator = 'rk4' knows neither contact nor bodies carried off their centres: use 'leapfrog'");
@@ -227,6 +231,7 @@ void CableEngine::stepExplicit(int inside) {
         } else {
             ancf_correct(model.get(), &time, touching.newVelocity(), touching.displacement());
         }
+        clock.passed(StepClock::ELASTIC);
         if (!worked.empty()) bookWorked(time);
         if (k == 0) dampedBefore = model->damping_half;
         if (k == inside - 1) {
@@ -234,12 +239,15 @@ void CableEngine::stepExplicit(int inside) {
             bookFastened(time);
         }
         lastStep = time.step;
+        clock.passed(StepClock::SCATTER);
     }
     model->damping_half = dampedBefore;
     bookContacts();
     bookDamping();
+    clock.passed(StepClock::ENERGY);
     scatter();
     touching.look(*this);
+    clock.passed(StepClock::SCATTER);
 }
 
 // Nothing touches in it.
@@ -250,8 +258,10 @@ void CableEngine::stepImplicit() {
     if (scene->trackEnergy) noteEnergy();
     noteWorked();
     if (look) lookAtBalance(time);
+    clock.passed(StepClock::ENERGY);
     const ancf_error error =
         ancf_implicit_step(implicit.get(), model.get(), acceleration.data(), &time, std::max(1, substeps));
+    clock.passed(StepClock::ELASTIC);
     rejectedSteps = static_cast<int>(implicit->rejected);
     newtonIterations = implicit->iterations;
     stepParts = implicit->parts;
@@ -263,6 +273,7 @@ void CableEngine::stepImplicit() {
     lastStep = scene->dt;
     for (size_t i = 0; i < carryNodes.size(); ++i) setCarryReaction(i, Vector3r::Zero());
     scatter();
+    clock.passed(StepClock::SCATTER);
 }
 
 // Velocities of implicit steps are those of the positions: leapfrog starts from them with half a kick.
@@ -295,6 +306,7 @@ void CableEngine::startAppended() {
 void CableEngine::action() {
     const StepGuard guard;
     throwLate(*scene);
+    clock.start(timingDeltas.get());
     touching.stepBegins();
     eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); }); // may call Python, which may change the model
     getReady();
@@ -309,10 +321,12 @@ void CableEngine::action() {
     holdNodes();
     gatherForces();
     startAppended();
+    clock.passed(StepClock::GATHER);
     if (implicit) stepImplicit();
     else stepExplicit(inside);
     stepped = true;
     if (scene->trackEnergy) trackEnergy();
+    clock.passed(StepClock::ENERGY);
 }
 
 } // namespace yade

@@ -6,6 +6,7 @@
 #include <boost/python/raw_function.hpp>
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -15,25 +16,37 @@ namespace yade {
 namespace py = boost::python;
 
 namespace {
-    std::recursive_mutex turn;
+    std::recursive_timed_mutex turn;
     std::atomic<int> waiting {0};
 
-    void await() {
+    // Waits by a function, without Python's interpreter lock.
+    template <class F> bool await(F lock) {
+        const bool locked = Py_IsInitialized() && PyGILState_Check();
+        PyThreadState* const state = locked ? PyEval_SaveThread() : nullptr;
         ++waiting;
-        turn.lock();
+        const bool held = lock();
         --waiting;
+        if (locked) PyEval_RestoreThread(state);
+        return held;
     }
 } // namespace
 
 Guard::Guard() {
     if (turn.try_lock()) return;
-    const bool locked = Py_IsInitialized() && PyGILState_Check();
-    PyThreadState* const state = locked ? PyEval_SaveThread() : nullptr;
-    await();
-    if (locked) PyEval_RestoreThread(state);
+    await([] {
+        turn.lock();
+        return true;
+    });
 }
 
 Guard::~Guard() { turn.unlock(); }
+
+PatientGuard::PatientGuard()
+    : held(turn.try_lock() || await([] { return turn.try_lock_for(std::chrono::milliseconds(20)); })) {}
+
+PatientGuard::~PatientGuard() {
+    if (held) turn.unlock();
+}
 
 StepGuard::Turn::Turn() {
     while (waiting.load(std::memory_order_relaxed) > 0 && !(Py_IsInitialized() && PyGILState_Check()))

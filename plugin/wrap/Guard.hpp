@@ -18,6 +18,18 @@ public:
     Guard& operator=(const Guard&) = delete;
 };
 
+// The same for one who would rather leave something out than wait for long: false if it is not to be had.
+class PatientGuard {
+    const bool held;
+
+public:
+    PatientGuard();
+    ~PatientGuard();
+    PatientGuard(const PatientGuard&) = delete;
+    PatientGuard& operator=(const PatientGuard&) = delete;
+    explicit operator bool() const { return held; }
+};
+
 // In a step: lets those go first who wait, as steps follow one another too closely for them.
 class StepGuard {
     struct Turn {

@@ -9,6 +9,7 @@
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/InsertionSortCollider.hpp>
+#include <pkg/common/OpenGLRenderer.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/FrictPhys.hpp>
@@ -324,6 +325,7 @@ namespace {
         addPointer(f, "bodies", &Scene::bodies, "_ZTVN4yade13BodyContainerE");
         addPointer(f, "interactions", &Scene::interactions, "_ZTVN4yade20InteractionContainerE");
         addPointer(f, "energy", &Scene::energy, "_ZTVN4yade13EnergyTrackerE");
+        addAttribute(f, "OpenGLRenderer", "dispScale", &OpenGLRenderer::dispScale, v); // behind the tables
         addPointer(f, "cell", &Scene::cell, "_ZTVN4yade4CellE");
     }
 

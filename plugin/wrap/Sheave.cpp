@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "Sheave.hpp"
 
+#include "Gl.hpp"
 #include "text.hpp"
 
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 #include <pkg/dem/ScGeom.hpp>
-
-#include <dlfcn.h>
 
 #include <cmath>
 #include <sstream>
@@ -108,6 +107,28 @@ py::tuple Sheave::touch(const Vector3r& place, Real ballRadius) const {
     return py::make_tuple(found.depth, Vector3r(found.normal[0], found.normal[1], found.normal[2]));
 }
 
+vector<Vector2r> Sheave::outline() const {
+    constexpr int arcParts = 8;
+    vector<Vector2r> right {{form.floor, form.radius}}; // from the middle out
+    for (int i = 1; i <= arcParts && form.height > 0; ++i) {
+        const Real a = form.slope * i / arcParts;
+        right.emplace_back(form.floor + form.fillet * std::sin(a), form.radius + form.fillet * (1 - std::cos(a)));
+    }
+    right.emplace_back(opening() / 2, rimRadius());
+    right.emplace_back(overallWidth() / 2, rimRadius());
+    right.emplace_back(overallWidth() / 2, 0);
+    vector<Vector2r> all;
+    for (auto p = right.rbegin(); p != right.rend(); ++p) all.emplace_back(-p->x(), p->y());
+    all.insert(all.end(), right.begin(), right.end());
+    return all;
+}
+
+py::list Sheave::pyOutline() const {
+    py::list places;
+    for (const Vector2r& p : outline()) places.append(p);
+    return places;
+}
+
 void Bo1_Sheave_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body*) {
     const auto& sheave = static_cast<const Sheave&>(*shape);
     if (!bound) bound = shared_ptr<Bound>(new Aabb);
@@ -141,60 +162,14 @@ bool Ig2_Sheave_Sphere_ScGeom::go(const shared_ptr<Shape>& shape1, const shared_
     return true;
 }
 
-namespace {
-    // OpenGL's calls, looked up where there is a picture to draw: the plugin does not need the library otherwise.
-    struct Gl {
-        enum { lines = 1, lineStrip = 3, triangleStrip = 5 };
-        void (*begin)(unsigned);
-        void (*end)();
-        void (*normal)(float, float, float);
-        void (*vertex)(float, float, float);
-        void (*color)(float, float, float);
-
-        Gl() {
-            void* library = dlopen("libGL.so.1", RTLD_LAZY | RTLD_GLOBAL);
-            if (!library) throw std::runtime_error("Gl1_Sheave: there is no libGL.so.1");
-            load(begin, library, "glBegin");
-            load(end, library, "glEnd");
-            load(normal, library, "glNormal3f");
-            load(vertex, library, "glVertex3f");
-            load(color, library, "glColor3f");
-        }
-        template <class F> static void load(F& function, void* library, const char* name) {
-            function = reinterpret_cast<F>(dlsym(library, name));
-            if (!function) throw std::runtime_error(string("Gl1_Sheave: libGL.so.1 has no ") + name);
-        }
-    };
-
-    // The outline of the meridian section from side to side: (z, radius).
-    vector<std::pair<float, float>> outline(const ancf_groove& g) {
-        constexpr int arcParts = 8;
-        const Real opening = ancf_groove_opening(&g), half = ancf_groove_half_width(&g), rim = g.radius + g.height;
-        vector<std::pair<float, float>> right; // from the middle out
-        right.emplace_back(g.floor, g.radius);
-        for (int i = 1; i <= arcParts && g.height > 0; ++i) {
-            const Real a = g.slope * i / arcParts;
-            right.emplace_back(g.floor + g.fillet * std::sin(a), g.radius + g.fillet * (1 - std::cos(a)));
-        }
-        right.emplace_back(opening, rim);
-        right.emplace_back(half, rim);
-        right.emplace_back(half, 0);
-        vector<std::pair<float, float>> all;
-        for (auto p = right.rbegin(); p != right.rend(); ++p) all.emplace_back(-p->first, p->second);
-        all.insert(all.end(), right.begin(), right.end());
-        return all;
-    }
-} // namespace
-
 void Gl1_Sheave::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wire, const GLViewInfo&) {
-    static const Gl gl;
+    const Gl& gl = Gl::calls();
     constexpr int parts = 48;
     const auto& sheave = static_cast<const Sheave&>(*shape);
-    const auto line = outline(sheave.groove());
+    const auto line = sheave.outline();
     gl.color(sheave.color[0], sheave.color[1], sheave.color[2]);
     for (size_t k = 0; k + 1 < line.size(); ++k) {
-        const auto [z0, r0] = line[k];
-        const auto [z1, r1] = line[k + 1];
+        const float z0 = line[k][0], r0 = line[k][1], z1 = line[k + 1][0], r1 = line[k + 1][1];
         const float dz = z1 - z0, dr = r1 - r0, length = std::hypot(dz, dr);
         if (length == 0) continue;
         gl.begin(wire || shape->wire ? Gl::lineStrip : Gl::triangleStrip);

@@ -26,6 +26,8 @@ public:
     Real rimRadius() const { return form.radius + form.height; }
     Real fillet() const { return form.fillet; }
     py::tuple touch(const Vector3r& place, Real ballRadius) const;
+    vector<Vector2r> outline() const; // (z, radius) of the section from side to side [m]
+    py::list pyOutline() const;
 
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(Sheave, Shape,
@@ -43,6 +45,7 @@ public:
         .add_property("rimRadius", &Sheave::rimRadius, "Radius at the lips [m].")
         .add_property("fillet", &Sheave::fillet, "Radius of the groove's bottom, or between bottom and flange [m].")
         .def("touch", &Sheave::touch, (py::arg("place"), py::arg("radius")), "(depth [m], normal) of a ball whose centre is at `place` in the sheave's frame.")
+        .def("outline", &Sheave::pyOutline, "Its section from the axis on one side, over the groove, to the axis on the other: list of (z, radius) [m].")
     )
     // clang-format on
     REGISTER_CLASS_INDEX(Sheave, Shape)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The compiled module ancf._ancf: checks the running YADE, then registers our classes with it.
 #include "LayoutCheck.hpp"
+#include "View3d.hpp"
 
 #include <core/Omega.hpp>
 #include <lib/base/AliasNamespaces.hpp>
@@ -68,6 +69,8 @@ void fill(py::object module) {
     const py::scope scope(module);
     py::def("_checkLayout", &checkLayoutFromPython, py::arg("overrides") = py::dict(),
             "Checks YADE's memory layout, with our number of a fact replaced; ImportError names what does not fit.");
+    py::def("_refreshView", &ancf::refreshView, py::arg("renderer"),
+            "Lets yade.qt.Renderer() know how our shapes are drawn, where yade.qt was imported before us.");
     py::list names;
     for (const auto& name : classNames) names.append(name);
     module.attr("classNames") = names;

@@ -13,6 +13,17 @@ from ._built import VERSION as __version__  # noqa: E402
 from .cables import Cable  # noqa: E402
 from .nets import Net  # noqa: E402
 from .record import structures  # noqa: E402
+from .running import progress  # noqa: E402
 from .scene import check, engines, plan, timeStep  # noqa: E402
 
-__all__ = [*_load.classes, "Cable", "Net", "check", "engines", "plan", "structures", "timeStep"]
+__all__ = [
+    *_load.classes,
+    "Cable",
+    "Net",
+    "check",
+    "engines",
+    "plan",
+    "progress",
+    "structures",
+    "timeStep",
+]

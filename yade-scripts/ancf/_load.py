@@ -108,6 +108,8 @@ def _load():
         raise ImportError("ancf cannot be loaded while a simulation runs: O.pause() first")
     _ancf = importlib.import_module("._ancf", __package__)
     _refreshDispatchers(omega.engines)
+    if "yade.qt" in sys.modules:  # as `yade` without -n
+        _ancf._refreshView(sys.modules["yade.qt"].Renderer())
     return {name: getattr(wrapper, name) for name in _ancf.classNames}
 
 

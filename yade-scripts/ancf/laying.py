@@ -28,6 +28,12 @@ def slopeWeights(x):
     return np.stack([1 - 4 * x + 3 * x * x, 6 * x - 6 * x * x, 3 * x * x - 2 * x], -1)
 
 
+def curvatureWeights(x):
+    """Weights of (g0, d, g1) in L d2r/ds2 at x; (..., 3)."""
+    x = np.asarray(x, float)
+    return np.stack([6 * x - 4, 6 - 12 * x, 6 * x - 2], -1)
+
+
 def unit(v):
     return v / np.linalg.norm(v, axis=-1, keepdims=True)
 

@@ -10,7 +10,7 @@ import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
-from .laying import shape, unit
+from .laying import curvatureWeights, shape, slopeWeights, unit
 
 SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT = (
     1,
@@ -337,6 +337,14 @@ class Span:
         at = [(e, i / k) for e in range(self._run.count) for i in range(k)]
         at.append((self._run.count - 1, 1.0))
         return np.array([engine.tension(self._engineElement(e), xi) for e, xi in at])
+
+    def curvatures(self, k=8):
+        """Curvature |r' x r''| / |r'|^3 of the curve at the points of curve(k), at nodes that of the
+        element that begins there, (k count + 1) numpy [1/m]; 0 for springs.
+        """
+        k = values.count(f"{self._structure.name}.curvatures", k, 1)
+        each = self._structure._curvatures(self._elements, np.arange(k + 1) / k)
+        return np.append(each[:, :-1].ravel(), each[-1, -1])
 
 
 class Structure:
@@ -863,6 +871,42 @@ class Structure:
         g0, g1 = np.moveaxis(slopes.reshape(-1, 2, 3)[elements], 1, 0)
         weights = shape(xi, self._layout.length[elements][:, None])
         return weights @ np.stack([r0, g0, r1, g1], axis=1)
+
+    def _curvatures(self, elements, xi):
+        """Curvature (n, k) of the cubics at xi (k) [1/m]."""
+        if self.section.kind & SPRING:
+            return np.zeros((len(self._layout.length[elements]), len(xi)))
+        nodes, slopes = self._state()
+        r0, r1 = np.moveaxis(nodes[self._layout.ends[elements]], 1, 0)
+        g0, g1 = np.moveaxis(slopes.reshape(-1, 2, 3)[elements], 1, 0)
+        length = self._layout.length[elements][:, None]
+        ends = np.stack([g0, (r1 - r0) / length, g1], axis=1)
+        first, second = slopeWeights(xi) @ ends, curvatureWeights(xi) @ ends / length[..., None]
+        across = np.linalg.norm(np.cross(first, second), axis=-1)
+        return across / np.linalg.norm(first, axis=-1) ** 3
+
+    def contactForces(self):
+        """Forces of bodies on the cables in the last step, normal and friction together: [(span, s,
+        force (3) [N])], one for each place that presses. Cables on cables are not among them.
+        """
+        found = []
+        for body in self.bodies:
+            for contact in O.bodies[body].intrs():
+                if contact.id2 != body or not contact.isReal:
+                    continue
+                geom, element = contact.geom, O.bodies[body].shape.element - self._first[1]
+                for xi, n, push, friction in zip(geom.xi, geom.normals, geom.force, geom.friction):
+                    if push:
+                        span, s = self._stationOf(element, xi)
+                        found.append((span, s, np.array(list(push * n + friction))))
+        return found
+
+    def _stationOf(self, element, xi):
+        """The span that an element of ours belongs to, and s at its xi."""
+        firsts = [span._run.first for span in self.spans]
+        span = self.spans[int(np.searchsorted(firsts, element, side="right")) - 1]
+        arc, k = span._arc, element - span._run.first
+        return span, float((arc[k] + xi * (arc[k + 1] - arc[k])) / arc[-1])
 
     def _needEngine(self, what):
         if not self.appended:

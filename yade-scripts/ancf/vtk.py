@@ -1,99 +1,97 @@
-"""Files for ParaView: cables as curves with tension and speed, bodies as surfaces."""
+"""Files for ParaView: cables as curves with what is read along them, bodies as surfaces."""
 
 import os
 
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkPolyLine
-from vtkmodules.vtkCommonTransforms import vtkTransform
+from vtkmodules.vtkCommonCore import vtkIdList
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkAppendPolyData
-from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
-from vtkmodules.vtkFiltersSources import vtkCubeSource, vtkSphereSource
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
-from yade import O, wrapper
+from yade import O
+
+from .surfaces import addField, polyData, solids, surfaces, vtkPointsOf
 
 
 def cableData(structures, perElement=8):
-    """vtkPolyData of the true curves; point data `tension` [N], `speed` [m/s], `velocity` [m/s],
-    `radius` [m].
+    """vtkPolyData of the true curves, a line a cable or edge of a net, with point data
+
+    tension        [N]
+    strain         [-], Green's for ANCF, engineering strain for springs
+    curvature      |r' x r''| / |r'|^3 [1/m]
+    contactForce   of bodies on the cable in the last step, normal and friction together (3) [N]: that of
+                   a place of contact stands at the nearest point, so that they add up to the whole.
+                   Contacts of cables with each other are not in it
+    velocity       (3) [m/s]; speed, its length
+    radius         [m]
     """
-    points, lines = vtkPoints(), vtkCellArray()
-    tension, velocity, radius = [], [], []
+    lines, start = vtkCellArray(), 0
+    fields = {name: [] for name in ("tension", "strain", "curvature", "contactForce", "velocity")}
+    points, radius = [], []
     for structure in structures:
+        forces = structure.contactForces()
         for span in structure.spans:
-            curve = span.curve(perElement)
-            line = vtkPolyLine()
-            line.GetPointIds().SetNumberOfIds(len(curve))
-            for i, p in enumerate(curve):
-                line.GetPointIds().SetId(i, points.InsertNextPoint(p))
+            curve, stations = span.curve(perElement), span.stations(perElement)
+            line = vtkIdList()
+            for i in range(start, start + len(curve)):
+                line.InsertNextId(i)
             lines.InsertNextCell(line)
-            tension += list(span.tensions(perElement))
-            velocity += [list(span.velocity(s)) for s in span.stations(perElement)]
-            radius += [structure.radius] * len(curve)
+            start += len(curve)
+            points.append(curve)
+            fields["tension"].append(span.tensions(perElement))
+            fields["strain"].append([span.strain(s) for s in stations])
+            fields["curvature"].append(span.curvatures(perElement))
+            fields["contactForce"].append(_atPoints(span, forces, stations))
+            fields["velocity"].append([list(span.velocity(s)) for s in stations])
+            radius.append(np.full(len(curve), structure.radius))
     data = vtkPolyData()
-    data.SetPoints(points)
+    data.SetPoints(vtkPointsOf(np.concatenate(points)))
     data.SetLines(lines)
-    speed = np.linalg.norm(np.array(velocity), axis=1)
-    fields = {"tension": tension, "speed": speed, "velocity": velocity, "radius": radius}
-    for name, values in fields.items():
-        _addField(data.GetPointData(), name, values)
+    for name, parts in fields.items():
+        addField(data.GetPointData(), name, np.concatenate(parts))
+    addField(
+        data.GetPointData(), "speed", np.linalg.norm(np.concatenate(fields["velocity"]), axis=1)
+    )
+    addField(data.GetPointData(), "radius", np.concatenate(radius))
     return data
 
 
-def bodyData(ids, across=32):
-    """vtkPolyData of the surfaces of spheres and boxes; cell data `id` and `speed` [m/s]."""
+def _atPoints(span, forces, stations):
+    """The forces on a span, each at the nearest of its stations, (n, 3)."""
+    sums = np.zeros((len(stations), 3))
+    for at, s, force in forces:
+        if at is span:
+            sums[np.abs(stations - s).argmin()] += force
+    return sums
+
+
+def bodyData(ids=None, shown=(), across=32):
+    """vtkPolyData of the surfaces of spheres, boxes, facets, walls and sheaves; cell data `id`, `speed`
+    [m/s].
+
+    ids      None: all bodies that are no elements of cables; clumps stand for their members
+    shown    points (n, 3) besides, that walls shall reach beyond [m]
+    across   faces around a sphere
+    """
     append = vtkAppendPolyData()
-    for i in ids:
-        surface = _surface(O.bodies[i], across)
-        if surface is not None:
-            cells = surface.GetNumberOfCells()
-            _addField(surface.GetCellData(), "id", np.full(cells, i))
-            _addField(surface.GetCellData(), "speed", np.full(cells, O.bodies[i].state.vel.norm()))
-            append.AddInputData(surface)
+    points = np.asarray(shown, float).reshape(-1, 3)
+    for i, places, faces in surfaces(solids(ids), points, across):
+        data = polyData(places, faces)
+        addField(data.GetCellData(), "id", np.full(len(faces), i))
+        addField(data.GetCellData(), "speed", np.full(len(faces), O.bodies[i].state.vel.norm()))
+        append.AddInputData(data)
     if append.GetNumberOfInputConnections(0) == 0:
         return vtkPolyData()
+    append.SetOutputPointsPrecision(1)  # double
     append.Update()
     return append.GetOutput()
 
 
-def _addField(target, name, values):
-    array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-    array.SetName(name)
-    target.AddArray(array)
-
-
-def _surface(body, across):
-    shape, state = body.shape, body.state
-    if isinstance(shape, wrapper.Sphere):
-        source = vtkSphereSource()
-        source.SetRadius(shape.radius)
-        source.SetThetaResolution(across)
-        source.SetPhiResolution(across // 2)
-    elif isinstance(shape, wrapper.Box):
-        source = vtkCubeSource()
-        source.SetXLength(2 * shape.extents[0])
-        source.SetYLength(2 * shape.extents[1])
-        source.SetZLength(2 * shape.extents[2])
-    else:
-        return None
-    axis, angle = state.ori.toAxisAngle()
-    transform = vtkTransform()
-    transform.Translate(*state.pos)
-    transform.RotateWXYZ(np.degrees(angle), *axis)
-    moved = vtkTransformPolyDataFilter()
-    moved.SetTransform(transform)
-    moved.SetInputConnection(source.GetOutputPort())
-    moved.Update()
-    return moved.GetOutput()
-
-
 class VtkRecorder:
     """Writes <prefix>cables-0000.vtp, <prefix>bodies-0000.vtp at each save(), and
-    <prefix>cables.pvd with their times.
+    <prefix>cables.pvd, <prefix>bodies.pvd with their times.
 
-    structures: cables and nets; bodies: ids of spheres and boxes, None: all that are no elements
-    of cables.
+    structures: cables and nets; bodies: ids, None: all that are no elements of cables. OSError for
+    a file that cannot be written.
     """
 
     def __init__(self, prefix, structures, bodies=None, perElement=8):
@@ -104,13 +102,9 @@ class VtkRecorder:
 
     def save(self):
         """Writes the present state."""
-        ids = self.bodies
-        if ids is None:
-            ids = [
-                b.id for b in O.bodies if b.shape and not isinstance(b.shape, wrapper.CableElement)
-            ]
         self._write("cables", cableData(self.structures, self.perElement))
-        self._write("bodies", bodyData(ids))
+        knots = [s.knots for s in self.structures]
+        self._write("bodies", bodyData(self.bodies, np.concatenate(knots) if knots else ()))
 
     def _write(self, what, data):
         files = self._written[what]

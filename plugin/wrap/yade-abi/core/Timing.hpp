@@ -13,6 +13,14 @@ struct TimingInfo {
     static bool enabled;
 };
 
-class TimingDeltas;
+// Parts of the time spent in an engine, for Python.
+class TimingDeltas {
+    TimingInfo::delta last;
+    size_t i = 0;
+
+public:
+    vector<TimingInfo> data;
+    vector<string> labels; // of data
+};
 
 } // namespace yade
