@@ -5,6 +5,7 @@
 #include "CableEngine.hpp"
 #include "Drive.hpp"
 #include "HollarsPhys.hpp"
+#include "Mobility.hpp"
 #include "text.hpp"
 
 #include <core/InteractionLoop.hpp>
@@ -231,6 +232,20 @@ void SceneCheck::collider() const {
                "before InteractionLoop, or use ancf.engines()");
 }
 
+// Whether a body that NewtonIntegrator moves can meet a cable, or hangs on one.
+bool SceneCheck::cablesFeelBodies() const {
+    mask_t masks = 0;
+    for (const auto& engine : scene.engines)
+        if (const auto* cable = dynamic_cast<const CableEngine*>(engine.get()); cable && !cable->carryIds.empty())
+            return true;
+    for (const auto& body : *scene.bodies)
+        if (body && CableElement::of(*body)) masks |= body->groupMask;
+    for (const auto& body : *scene.bodies)
+        if (body && body->groupMask & masks && !CableElement::of(*body) && mobility(scene, *body).movable())
+            return true;
+    return false;
+}
+
 void SceneCheck::engines() const {
     if (scene.isPeriodic)
         throw std::invalid_argument("O.periodic = True: cables do not know periodic cells; set it to False");
@@ -238,7 +253,7 @@ void SceneCheck::engines() const {
     order();
     drives();
     collider();
-    if (const NewtonIntegrator* newton = newtonOf(scene); newton && newton->damping != 0)
+    if (const NewtonIntegrator* newton = newtonOf(scene); newton && newton->damping != 0 && cablesFeelBodies())
         warn(text("NewtonIntegrator.damping = ", newton->damping,
                   ": bodies lose momentum without a cause; set it to 0"));
 }

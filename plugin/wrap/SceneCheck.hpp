@@ -17,6 +17,7 @@ class SceneCheck {
     void once() const;
     void drives() const;
     void collider() const;
+    bool cablesFeelBodies() const;
     void pair(const InteractionLoop& loop, const Body& a, const Body& b) const;
 
 public:
