@@ -32,7 +32,7 @@ OUT = ROOT / "docs" / "images" / "robustness"
 FILES = ("xml", "xml.bz2", "yade", "yade.gz")
 THREADS = (1, 2, 3)
 VARIANTS = ("asleep", "awake", "NewtonIntegrator")
-STEPS, SAVES = 800, 1
+STEPS, SAVES = 1500, 1
 
 
 # ---- scenes --------------------------------------------------------------------------------------
@@ -54,7 +54,9 @@ def netAndBall():
 
 
 def grains(kind, clumps=False):
-    """18 spheres, or as many clumps of two, a little apart and at random speeds."""
+    """18 spheres, or as many clumps of two, a little apart and at random speeds, with a large ball above
+    them, between walls that no cable meets.
+    """
     if kind == "HollarsMat":
         material("grain", young=1e7, density=1000, impactDamping=0.2)
     else:
@@ -67,11 +69,17 @@ def grains(kind, clumps=False):
         at = [wide * (k % 3 - 1), 0.0135 * (k // 3 % 3 - 1), 0.008 + 0.0135 * (k // 9)]
         at += 5e-4 * random.uniform(-1, 1, 3)
         parts = [
-            utils.sphere(Vector3(*at + [offset, 0, 0]), 0.006, material="grain")
+            utils.sphere(Vector3(*at + [offset, 0, 0]), 0.006, material="grain", mask=3)
             for offset in ((0, 0.004) if clumps else (0,))
         ]
         number = O.bodies.appendClumped(parts)[0] if clumps else O.bodies.append(parts[0])
         O.bodies[number].state.vel = Vector3(*random.uniform(-1, 1, 2), -1)
+    large = utils.sphere(Vector3(0.001, 0.002, 0.062), 0.03, material="grain", mask=3)
+    large.state.vel = Vector3(0, 0, -1)
+    O.bodies.append(large)
+    for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        plane((0.04 * x, 0.04 * y, 0.03), (0.01, 0.05, 0.05) if x else (0.05, 0.01, 0.05), mask=2)
+        O.bodies[-1].material = O.materials["grain"]
 
 
 def inNet(kind, clumps=False):
@@ -86,7 +94,7 @@ def inNet(kind, clumps=False):
 def onFloor(kind, clumps=False):
     """The same grains without a cable, in engines of YADE's own where they are of FrictMat."""
     grains(kind, clumps)
-    plane((0, 0, -0.0105), (0.2, 0.2, 0.01), material="grain")
+    plane((0, 0, -0.0105), (0.2, 0.2, 0.01), material="grain", mask=2)
     O.engines = bodyEngines(gravity=(0, 0, -9.81))
     if kind == "FrictMat":
         loop = O.engines[2]
