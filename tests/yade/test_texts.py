@@ -174,6 +174,11 @@ TEXTS = [
         r"Cable.setVelocity: f = \(0, 0, 1\): must be a function",
     ),
     (
+        lambda: cable(diameter=np.float64(-3)),
+        ValueError,
+        r"Cable.diameter = -3\.0: must be",  # whatever numpy calls it
+    ),
+    (
         lambda: cable().setVelocity(lambda p: 3),
         TypeError,
         r"setVelocity: f\(\(0.*= 3: must be a vector",

@@ -284,7 +284,7 @@ def _checkFolded(net):
         center = np.array(list(body.state.pos))
         if body.id not in own and (center + reach > low).all() and (center - reach < high).all():
             raise ValueError(
-                f"{net.name}: {_name(body)} at {tuple(center)} reaches into the folded net, which would "
+                f"{net.name}: {_name(body)} at {tuple(map(float, center))} reaches into the folded net, which would "
                 "unfold inside it: put it farther away, or lay the net flat around it (fold=None)"
             )
 

@@ -828,7 +828,9 @@ class Structure:
         step = 1e-4 * self._layout.length.min()
 
         def at(p):
-            return values.vector(f"{self.name}.setVelocity: f({tuple(p)})", f(Vector3(*p)))
+            return values.vector(
+                f"{self.name}.setVelocity: f({tuple(map(float, p))})", f(Vector3(*p))
+            )
 
         ofNodes = np.array([at(p) for p in nodes])
         ofSlopes = np.empty_like(slopes)

@@ -12,7 +12,10 @@ FARTHEST = 1e9  # that a point may be from the origin, or something thick [m]
 
 def refuse(where, value, remedy, error=ValueError):
     """Raises `error` in one sentence: where ("Cable.diameter"), what was given, what to do."""
-    raise error(f"{where} = {value!r}: {remedy}")
+    plain = (
+        value.item() if isinstance(value, np.generic) else value
+    )  # numpy 2 writes np.float64(3.0)
+    raise error(f"{where} = {plain!r}: {remedy}")
 
 
 def _number(where, value):
