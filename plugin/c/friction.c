@@ -278,7 +278,7 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
     double largest = 0.0, off = INFINITY;
     int needed = 0;
     for (int k = 0; k < n; ++k) largest = ancf_larger(largest, start(t, contact[k], step));
-    if (!(largest > 0.0)) off = 0.0;
+    if (largest == 0.0) off = 0.0;
     while (off > tolerance * largest && needed < SWEEPS) {
         double change = 0.0;
         ++needed;
@@ -298,7 +298,7 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
             force[i] = (d->impulse[0] * d->tangent[0][i] + d->impulse[1] * d->tangent[1][i]) / step;
         finish(t, &t->contact[contact[k]], force, step);
     }
-    if (largest > 0.0) *left = ancf_larger(*left, off / largest);
+    if (largest != 0.0) *left = ancf_larger(*left, off / largest);
     return needed;
 }
 

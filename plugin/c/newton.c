@@ -116,7 +116,7 @@ static double miss(double* off, const double* P, const double* v, const ancf_new
             const double by = off[size * i + a] = P[size * i + a] - F[a];
             square += by * by;
         }
-        if (square > largest) largest = square;
+        if (square > largest || isnan(square)) largest = square;
     }
     return largest;
 }

@@ -235,7 +235,7 @@ static double press_group(ancf_table* t, const ancf_contact_group* g, double h, 
     }
     if (!couples && change > together * largest) change = squeeze(t, g, h, largest);
     for (int k = first; k < end; ++k) kick_along(t, &t->contact[contact[k]], h, rest);
-    return largest > 0.0 ? change / largest : 0.0;
+    return largest == 0.0 ? 0.0 : change / largest;
 }
 
 // Moves the arm of the second side on by a time: its end goes with the first side. Positions go through the whole step

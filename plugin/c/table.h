@@ -106,7 +106,8 @@ static inline void ancf_body_velocity(double v[3], const ancf_body* b, const dou
     for (int i = 0; i < 3; i++) v[i] += b->velocity[i];
 }
 
-static inline double ancf_larger(double a, double b) { return a > b ? a : b; }
+// What is not a number stays.
+static inline double ancf_larger(double a, double b) { return a > b || a != a ? a : b; }
 
 // Sum of a field's values at an element's unknowns, with weights.
 void ancf_value_of(double value[3], const int dof[4], const double weight[4], const ancf_model* m, const double* field);

@@ -23,6 +23,9 @@ namespace {
 void CableEngine::checkScene() const {
     const Scene& s = theScene();
     if (s.isPeriodic) refuse("a periodic cell is not supported: set O.periodic = False");
+    for (size_t id = 0; id < s.bodies->size(); ++id)
+        if (const Body* body = (*s.bodies)[id].get(); body && body->id != static_cast<Body::id_t>(id))
+            refuse(text("body ", id, " says that its id is ", body->id, ": the saved scene is damaged, load another"));
 }
 
 // A body whose drive is gone, or switched off, would go on at its last speed.

@@ -1,4 +1,4 @@
-"""Saved scenes whose bytes were changed: refused with an exception, or run on soundly; never a signal or a hang.
+"""Saved scenes whose bytes were changed: refused with an exception, or run on soundly; no signal comes from our code.
 
 Each is loaded in a fork. XML by every kind of damage; binary files are YADE's own archives (Boost), which check
 nothing: what they do is compared with a scene without any object of ours. By command line many more:
@@ -27,7 +27,7 @@ from helpers import ball, bodyEngines, material, plane, squareNet, steps
 from yade import O, utils, wrapper
 
 FILES = {"xml": "scene.xml", "bz2": "scene.xml.bz2", "binary": "scene.yade", "stock": "stock.yade"}
-TYPES = ("ValueError", "RuntimeError", "IndexError", "TypeError")
+TYPES = ("ValueError", "RuntimeError", "IndexError", "TypeError", "MemoryError")
 
 
 def ours():
@@ -170,6 +170,15 @@ def test_damaged_xml(files, tmp_path):
             bad.append(f"{number}: {way}: {how}: {text}")
     assert ends["ran"] > 0 and ends["RuntimeError"] + ends["ValueError"] > 0
     assert not bad, "\n".join(bad)
+
+
+def test_a_body_of_another_number(files, tmp_path):
+    path = tmp_path / "number.xml"
+    text = files["xml"].decode()
+    assert text.count("<id>0</id>") >= 1
+    path.write_text(text.replace("<id>0</id>", "<id>2147483647</id>", 1))
+    how, told = forked(lambda: loaded(str(path)))
+    assert how == "RuntimeError" and "body 0 says that its id is 2147483647" in told
 
 
 # ---- at random, by command line --------------------------------------------------------------------

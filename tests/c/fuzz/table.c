@@ -77,6 +77,7 @@ static void any_contact(ancf_contact* c, fuzz* f, ancf_table* t, const ancf_mode
 static bool fill(fuzz* f, ancf_table* t, const built* b) {
     const int bodies = pick(f, 4), contacts = pick(f, 7),
               couplings = bodies > 0 && by_chance(f, 0.3) ? 1 + pick(f, 2) : 0;
+    int last = -1;
     ancf_table_clear(t);
     for (int i = 0; i < bodies; ++i) {
         ancf_body body;
@@ -89,8 +90,10 @@ static bool fill(fuzz* f, ancf_table* t, const built* b) {
         if (c.side[0].place < 0 || (c.radius[1] != 0.0 && c.side[1].place < 0) || ancf_table_add_contact(t, &c) < 0)
             return false;
     }
-    for (int i = 0; i < couplings; ++i) {
-        ancf_coupling c = {.place = ancf_table_add_knot(t, b->m, any_knot(f, b->m)), .body = pick(f, bodies)};
+    for (int i = 0; i < couplings && i < bodies; ++i) { // a knot carries one body, and is not held
+        const int knot = any_knot(f, b->m);
+        if (b->m->hold[knot] || knot == last) continue;
+        ancf_coupling c = {.place = ancf_table_add_knot(t, b->m, last = knot), .body = i};
         vector_between(c.arm, f, 0.1);
         if (c.place < 0 || ancf_table_add_coupling(t, &c) < 0) return false;
     }
