@@ -282,11 +282,13 @@ class _Sheet:
         return renderer
 
     def picture(self):
-        """What is drawn, as vtkImageData."""
+        """Draws, and returns vtkImageData."""
+        self.window.Render()
         grab = vtkWindowToImageFilter()
         grab.SetInput(self.window)
         grab.SetInputBufferTypeToRGB()
         grab.ReadFrontBufferOff()
+        grab.ShouldRerenderOff()
         grab.Update()
         return grab.GetOutput()
 
@@ -436,7 +438,10 @@ def _ground(frame, view):
     side = view.right
     ahead = np.cross(up, side)
     corners = middle + half * np.array([-side - ahead, side - ahead, side + ahead, ahead - side])
-    return _faces([(corners, np.array([[0, 1, 2, 3]]), _color("ground", COLORS["ground"]))])
+    actor = _faces([(corners, np.array([[0, 1, 2, 3]]), _color("ground", COLORS["ground"]))])
+    actor.GetProperty().SetAmbient(0.7)
+    actor.GetProperty().SetDiffuse(0.3)
+    return actor
 
 
 def _actor(mapper, ambient=0.3):
@@ -574,7 +579,6 @@ def sheet(path, rows, view=View(), titles=(), sideTitles=(), cell=(560, 560)):
                     _addText(renderer, sideTitles[i], 0.04, 0.5, "Centered", upright=True)
         if colors is not None:
             _addBar(made.bar, colors)
-        made.window.Render()
         made.save(path)
 
 
@@ -629,7 +633,6 @@ class Film:
             for frame in self.frames:
                 _draw(made.cells[0], frame, view, eye, middle, cell, colors)
                 _addText(made.cells[0], f"{frame.time:.2f} s{note}", 0.02, 0.95)
-                made.window.Render()
                 write(made.pixels().tobytes())
         return path
 
