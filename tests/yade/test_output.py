@@ -131,8 +131,10 @@ def test_paraview_shapes(scene, tmp_path):
     data, of = read(tmp_path / "b-bodies-0000.vtp")
     assert set(of["id"]) == {facet, wall, sheave, *members}
     points = vtk_to_numpy(data.GetPoints().GetData())
-    cells = [data.GetCell(i).GetPointIds() for i in range(data.GetNumberOfCells())]
-    corner = [{c.GetId(k) for k in range(c.GetNumberOfIds())} for c in cells]
+    corner = []
+    for i in range(data.GetNumberOfCells()):
+        cell = data.GetCell(i)
+        corner.append({cell.GetPointId(k) for k in range(cell.GetNumberOfPoints())})
 
     def places(i):
         return points[sorted(set().union(*(c for c, n in zip(corner, of["id"]) if n == i)))]

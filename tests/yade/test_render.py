@@ -35,7 +35,7 @@ def read(path):
 
 def like(pixels, color, off=0.04):
     """Where a picture has the hue of a colour, in whatever light; (height, width) bool."""
-    hue, _, saturation = colorsys.rgb_to_hsv(*matplotlib.colors.to_rgb(color))
+    hue, saturation, _ = colorsys.rgb_to_hsv(*matplotlib.colors.to_rgb(color))
     hsv = matplotlib.colors.rgb_to_hsv(pixels / 255)
     apart = np.abs((hsv[..., 0] - hue + 0.5) % 1 - 0.5)
     return (apart < off) & (np.abs(hsv[..., 1] - saturation) < 0.3) & (hsv[..., 1] > 0.3)
@@ -82,7 +82,7 @@ def test_fits_without_waste(scene, tmp_path, direction):
     top, bottom, left, right = bounds(like(read(tmp_path / "a.png"), RED))
     free = [top, 399 - bottom, left, 599 - right]
     assert min(free) > 8
-    assert min(free[0], free[2]) < 30
+    assert min(free[0] / 400, free[2] / 600) == pytest.approx(0.07, abs=0.01)
     assert abs(free[0] - free[1]) < 4 and abs(free[2] - free[3]) < 4
 
 

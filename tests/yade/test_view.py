@@ -1,6 +1,8 @@
 """YADE's own 3D view, in the real program on a screen in memory."""
 
+import contextlib
 import os
+import pathlib
 import subprocess
 
 import numpy as np
@@ -8,9 +10,9 @@ import pytest
 from PIL import Image
 
 from ancf import render
-from conftest import ROOT
 
 SCENE = """
+import os
 import time
 
 import ancf
@@ -24,7 +26,7 @@ for corner in net.corners:
     net.fix(corner)
 pulleys.sheave((0.5, 0, 0), 0.1, width=0.05, material="cable", axis=(0, 1, 0))
 O.engines = pulleys.engines(net, gravity=(0, 0, -9.81))
-O.bodies[O.bodies.append(utils.sphere((-0.5, 0, 0), 0.1, material="cable", color=(0, 1, 0)))]
+O.bodies.append(utils.sphere((-0.5, 0, 0), 0.1, material="cable", fixed=True, color=(0, 1, 0)))
 O.run(200, True)
 view = qt.View()
 qt.Renderer().bgColor = Vector3(1, 1, 1)
@@ -38,7 +40,6 @@ view.saveSnapshot("view.png")
 while time.time() < end:
     QApplication.processEvents()
     time.sleep(0.05)
-    import os
     if os.path.exists("view.png") and os.path.getsize("view.png") > 0:
         break
 print("done", flush=True)
@@ -46,33 +47,34 @@ O.exitNoBacktrace()
 """
 
 
+@pytest.fixture
+def screen():
+    """A screen in memory."""
+    with contextlib.ExitStack() as opened:
+        try:
+            opened.enter_context(render.screen())
+        except RuntimeError as told:
+            pytest.skip(str(told))
+        yield
+
+
 def snapshot(folder, more=""):
     """The view of a scene as an array (height, width, 3)."""
     (folder / "scene.py").write_text(SCENE.replace("{more}", more))
-    try:
-        screen = render.screen()
-        screen.__enter__()
-    except RuntimeError as told:
-        pytest.skip(str(told))
-    try:
-        done = subprocess.run(
-            ["yade", "-x", "scene.py"],
-            cwd=folder,
-            env={
-                **os.environ,
-                "PYTHONPATH": os.environ.get("PYTHONPATH", str(ROOT / "build/python")),
-            },
-            capture_output=True,
-            text=True,
-            timeout=400,
-        )
-    finally:
-        screen.__exit__(None, None, None)
+    package = pathlib.Path(render.__file__).parents[1]
+    done = subprocess.run(
+        ["yade", "-x", "scene.py"],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(package)},
+        capture_output=True,
+        text=True,
+        timeout=400,
+    )
     assert "done" in done.stdout and done.returncode == 0, done.stdout + done.stderr
     return np.asarray(Image.open(folder / "view.png").convert("RGB")).astype(int)
 
 
-def test_net_and_sheave_in_the_view(tmp_path):
+def test_net_and_sheave_in_the_view(screen, tmp_path):
     """The view was made ready before our shapes were there, and draws them none the less."""
     shot = snapshot(tmp_path)
     away = np.abs(shot - shot[2, 2]).max(axis=2) > 40
@@ -82,7 +84,7 @@ def test_net_and_sheave_in_the_view(tmp_path):
     assert bluish.sum() > 200
 
 
-def test_view_of_a_running_scene(tmp_path):
+def test_view_of_a_running_scene(screen, tmp_path):
     """Drawn while O.run goes on in its thread."""
     shot = snapshot(tmp_path, more="O.run()")
     assert (np.abs(shot - shot[2, 2]).max(axis=2) > 40).sum() > 1500

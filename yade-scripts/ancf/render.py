@@ -48,6 +48,7 @@ COLORS = {
 TENSION = (CABLE, "#2b8cbe", "#d99a1c", "#d7301f")  # from slack to the end of the bar
 THINNEST = 1.6  # width of a cable in a picture at least [pixels]
 BAR = 120  # width of the bar's column [pixels]
+SIDE = 36  # width of the column of titles beside rows [pixels]
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ class View:
         center = 0.5 * (points.min(axis=0) + points.max(axis=0))
         center = np.array(self.focus, float) if self.focus is not None else center
         x, y, z = ((points - center) @ axis for axis in (self.right, over, self.back))
-        half = 0.92 * math.tan(math.radians(self.angle) / 2)  # leaves a margin
+        half = 0.86 * math.tan(math.radians(self.angle) / 2)  # leaves a margin
         away = []
         for q, edge in ((x, half * aspect), (y, half)):
             # A ball touches the plane through the eye with this slope at distance
@@ -184,7 +185,9 @@ class Frame:
         self.radii = np.array([shapes[i].radius for i in round_])
         self.colors = np.array([colors[i] for i in round_]).reshape(-1, 3)
         self.surfaces, self.walls = [], []
-        flat = surfaces([i for i in ids if i not in set(round_)], self.extent()[0])
+        points, radii = self.extent()
+        reach = np.concatenate([points - radii[:, None], points + radii[:, None]])
+        flat = surfaces([i for i in ids if i not in set(round_)], reach)
         self.surfaces = [(p, f, colors[i]) for i, p, f in flat if not _endless(shapes[i])]
         self.walls = [(p, f, colors[i]) for i, p, f in flat if _endless(shapes[i])]
 
@@ -253,21 +256,24 @@ def screen():
 
 
 class _Sheet:
-    """A window of rows x columns of cells, each with its renderer, and a column for the bar."""
+    """A window of rows x columns of cells, each with its renderer, a column for titles beside the rows and
+    one for the bar.
+    """
 
-    def __init__(self, rows, columns, cell, bar):
-        self.cell, self.rows, self.columns = cell, rows, columns
+    def __init__(self, rows, columns, cell, side, bar):
         self.window = vtkXOpenGLRenderWindow()
         self.window.SetOffScreenRendering(True)
         self.window.SetMultiSamples(4)
-        width, height = columns * cell[0] + (BAR if bar else 0), rows * cell[1]
+        first = SIDE if side else 0
+        width, height = first + columns * cell[0] + (BAR if bar else 0), rows * cell[1]
         self.window.SetSize(width, height)
         self.cells = []
         for k in range(rows * columns):
             row, column = divmod(k, columns)
-            left, right = column * cell[0] / width, (column + 1) * cell[0] / width
+            left, right = ((first + c * cell[0]) / width for c in (column, column + 1))
             self.cells.append(self._add(left, 1 - (row + 1) / rows, right, 1 - row / rows))
-        self.bar = self._add(columns * cell[0] / width, 0, 1, 1) if bar else None
+        self.side = self._add(0, 0, first / width, 1) if side else None
+        self.bar = self._add(1 - BAR / width, 0, 1, 1) if bar else None
 
     def _add(self, *viewport):
         renderer = vtkRenderer()
@@ -282,11 +288,13 @@ class _Sheet:
         return renderer
 
     def picture(self):
-        """What is drawn, as vtkImageData."""
+        """Draws, and returns vtkImageData."""
+        self.window.Render()
         grab = vtkWindowToImageFilter()
         grab.SetInput(self.window)
         grab.SetInputBufferTypeToRGB()
         grab.ReadFrontBufferOff()
+        grab.ShouldRerenderOff()
         grab.Update()
         return grab.GetOutput()
 
@@ -307,9 +315,9 @@ class _Sheet:
 
 
 @contextlib.contextmanager
-def _sheet(rows, columns, cell, bar):
+def _sheet(*layout):
     with screen():
-        made = _Sheet(rows, columns, cell, bar)
+        made = _Sheet(*layout)
         try:
             yield made
         finally:
@@ -428,15 +436,18 @@ def _faces(parts):
 
 
 def _ground(frame, view):
-    points, _ = frame.extent()
+    points, radii = frame.extent()
     up = _unit(view.up)
-    half = 0.75 * np.linalg.norm(np.ptp(points, axis=0))
+    half = 0.75 * (np.linalg.norm(np.ptp(points, axis=0)) + 2 * radii.max())
     middle = points.mean(axis=0)
     middle = middle + (view.ground - middle @ up) * up
     side = view.right
     ahead = np.cross(up, side)
     corners = middle + half * np.array([-side - ahead, side - ahead, side + ahead, ahead - side])
-    return _faces([(corners, np.array([[0, 1, 2, 3]]), _color("ground", COLORS["ground"]))])
+    actor = _faces([(corners, np.array([[0, 1, 2, 3]]), _color("ground", COLORS["ground"]))])
+    actor.GetProperty().SetAmbient(0.7)
+    actor.GetProperty().SetDiffuse(0.3)
+    return actor
 
 
 def _actor(mapper, ambient=0.3):
@@ -560,7 +571,7 @@ def sheet(path, rows, view=View(), titles=(), sideTitles=(), cell=(560, 560)):
     frames = [frame for row in rows for frame in row]
     colors = _tensionColors(frames, view)
     columns = max(len(row) for row in rows)
-    with _sheet(len(rows), columns, cell, colors is not None) as made:
+    with _sheet(len(rows), columns, cell, len(sideTitles) > 0, colors is not None) as made:
         for column in range(columns):
             there = [(i, row[column]) for i, row in enumerate(rows) if column < len(row)]
             points, radii = (np.concatenate(q) for q in zip(*(f.extent() for _, f in there)))
@@ -570,11 +581,10 @@ def sheet(path, rows, view=View(), titles=(), sideTitles=(), cell=(560, 560)):
                 _draw(renderer, frame, view, eye, middle, cell, colors)
                 if i == 0 and column < len(titles):
                     _addText(renderer, titles[column], 0.5, 0.96, "Centered")
-                if column == 0 and i < len(sideTitles):
-                    _addText(renderer, sideTitles[i], 0.04, 0.5, "Centered", upright=True)
+        for i, title in enumerate(sideTitles):
+            _addText(made.side, title, 0.6, 1 - (i + 0.5) / len(rows), "Centered", upright=True)
         if colors is not None:
             _addBar(made.bar, colors)
-        made.window.Render()
         made.save(path)
 
 
@@ -623,13 +633,14 @@ class Film:
         points, radii = (np.concatenate(q) for q in zip(*(f.extent() for f in self.frames)))
         cell = (size[0] - BAR, size[1]) if colors is not None else tuple(size)
         eye, middle = view.place(points, radii, cell[0] / cell[1])
-        with _sheet(1, 1, cell, colors is not None) as made, _encoder(path, size, fps) as write:
+        with _sheet(1, 1, cell, False, colors is not None) as made, _encoder(
+            path, size, fps
+        ) as write:
             if colors is not None:
                 _addBar(made.bar, colors)
             for frame in self.frames:
                 _draw(made.cells[0], frame, view, eye, middle, cell, colors)
                 _addText(made.cells[0], f"{frame.time:.2f} s{note}", 0.02, 0.95)
-                made.window.Render()
                 write(made.pixels().tobytes())
         return path
 

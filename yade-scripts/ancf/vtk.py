@@ -44,6 +44,8 @@ def cableData(structures, perElement=8):
             fields["velocity"].append([list(span.velocity(s)) for s in stations])
             radius.append(np.full(len(curve), structure.radius))
     data = vtkPolyData()
+    if not points:
+        return data
     data.SetPoints(vtkPointsOf(np.concatenate(points)))
     data.SetLines(lines)
     for name, parts in fields.items():
