@@ -99,8 +99,11 @@ namespace {
         vector<ancf_element> elements;
         for (size_t i = 0; i < n; ++i)
             elements.push_back({c.kind[i], c.length[i], c.ea[i], c.ei[i], c.rhoA[i], c.kelvinVoigt[i]});
+        vector<int> hold(static_cast<size_t>(c.nNodes) + 2 * n, ANCF_FREE);
+        for (const int node : c.tiedNodes) // another stands for them
+            if (node >= 0 && node < c.nNodes) hold[static_cast<size_t>(node)] = ANCF_HELD;
         const ancf_def def = {c.nNodes, static_cast<int>(n), elements.data(), c.ends.data(), c.next.data(), nullptr,
-                              nullptr};
+                              hold.data()};
         int where = 0;
         const ancf_error error = ancf_model_check(&def, c.position.data(), c.velocity.data(), &where);
         if (error) all.refuse(elementText(c, where), ": ", culprit(error, def, where), ": ", ancf_error_text(error));
