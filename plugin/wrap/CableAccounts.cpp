@@ -89,9 +89,9 @@ Vector3r CableEngine::pointVelocity(int element, Real xi) {
 Real CableEngine::tension(int element, Real xi) {
     checkPlace(element, xi, nElements());
     if (!model) build();
+    if (!stepped) findForces();
     model->x = position.data();
     model->v = velocity.data();
-    for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
     return ancf_tension(model.get(), element, xi);
 }
 

@@ -1,9 +1,12 @@
 """What integrator='auto' takes, and that it tells so."""
 
+import math
+
 import numpy as np
 import pytest
 
-from helpers import O, ancf, material, runTo, squareNet
+from helpers import O, Vector3, ancf, material, runTo, squareNet, utils
+from yade import wrapper
 
 
 def pendulum(integrator, young=4e7):
@@ -59,3 +62,18 @@ def test_substeps_as_told(scene):
     rope, _ = pendulum("auto")
     O.engines = ancf.engines(rope, integrator="auto", substeps=3)
     assert rope.engine.substeps == 3
+
+
+def test_time_step_covers_grains(scene):
+    """Half of what a sound wave takes through the smallest grain, as YADE has it for all of them."""
+    material("cable")
+    O.materials.append(wrapper.FrictMat(young=1e9, density=2600, label="grain"))
+    cable = ancf.Cable([(0, 0, 1), (1, 0, 1)], diameter=1e-2, material="cable")
+    small = utils.sphere(Vector3(0, 0, 0), 1e-4, material="grain")
+    O.bodies.append(small)
+    alone = ancf.timeStep(ancf.engines(cable)[3:4])
+    O.bodies.append(utils.sphere(Vector3(0.5, 0, 0), 2e-2, material="grain"))
+    O.engines = ancf.engines(cable)
+    assert O.dt == pytest.approx(0.5 * utils.PWaveTimeStep(), rel=1e-12)
+    assert O.dt == pytest.approx(0.5 * 1e-4 * math.sqrt(2600 / 1e9), rel=1e-12)
+    assert alone > O.dt  # which meets nothing of its law

@@ -77,7 +77,7 @@ def foldedNet():
 def test_target_in_the_folded_net_is_told(scene):
     material("cable")
     ball((0.0, 0.01, 0), 0.02, material="cable")
-    with pytest.raises(ValueError, match="folded net"):
+    with pytest.warns(UserWarning, match="folded net"):
         ancf.engines(foldedNet())
 
 

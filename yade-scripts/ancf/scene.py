@@ -1,6 +1,7 @@
 """The scene around cables: complete engine lists, time steps, and checks before the first step."""
 
 import math
+import warnings
 
 import numpy as np
 from yade import O, Vector3, wrapper
@@ -17,6 +18,7 @@ LAW_OPTIONS = {
 SOLIDS = ("Sphere", "Box", "Facet", "Wall")  # that cables touch, sheaves besides
 
 IMPLICIT_STEP = 1e-3  # [s]
+GRAIN_PART = 0.5  # of the time of a sound wave through a grain: a packing is stable with it
 
 # What integrator='auto' goes by, from docs/precision.rst
 SUBSTEPS_MOST = 1000
@@ -221,11 +223,12 @@ def fastest():
 
 
 def timeStep(engines=None, speed=None, law=None):
-    """The step for O.dt [s]: what the cables allow, in the sub-steps they are told to take, and what
-    contacts of HollarsMat between other bodies allow that meet at a speed [m/s]. Contacts of cables
-    take sub-steps of their own inside it.
+    """The step for O.dt [s]: what the cables allow, in the sub-steps they are told to take, what
+    contacts of HollarsMat between other bodies allow that meet at a speed [m/s], and half the time
+    that a sound wave takes through the smallest grain of another FrictMat (half of
+    utils.PWaveTimeStep). Contacts of cables take sub-steps of their own inside it.
 
-    Infinite if there are neither cables nor bodies of HollarsMat that can meet.
+    Infinite if there are neither cables nor bodies that can meet.
 
     engines: CableEngines, None: all in O.engines. law: a Law2_ScGeom_HollarsPhys_Hollars, None: that
     in O.engines.
@@ -235,7 +238,7 @@ def timeStep(engines=None, speed=None, law=None):
         if not isinstance(engine, wrapper.CableEngine):
             values.refuse(f"timeStep: engines[{i}]", engine, "must be a CableEngine", TypeError)
     speed = fastest() if speed is None else values.positive("timeStep: speed", speed, "m/s")
-    steps = [(law or _hollarsLaw()).contactTimeStep(speed)]
+    steps = [(law or _hollarsLaw()).contactTimeStep(speed), GRAIN_PART * _throughGrains()]
     for engine in engines:
         if engine.integrator == "implicit":
             steps.append(IMPLICIT_STEP)
@@ -244,6 +247,28 @@ def timeStep(engines=None, speed=None, law=None):
         inside = max(1, engine.substeps) if divides else 1
         steps.append(inside * engine.criticalTimeStep())
     return min(steps)
+
+
+def _throughGrains():
+    """Time of a sound wave through the smallest sphere of a FrictMat that is no HollarsMat and can
+    meet another body of one [s].
+    """
+
+    def ofYade(body):
+        mat = body.material
+        return isinstance(mat, wrapper.FrictMat) and not isinstance(mat, wrapper.HollarsMat)
+
+    grains = [b for b in O.bodies if b.shape and ofYade(b)]
+    if len({b.clumpId if b.isClumpMember else b.id for b in grains}) < 2:
+        return math.inf
+    return min(
+        (
+            b.shape.radius * math.sqrt(b.material.density / b.material.young)
+            for b in grains
+            if isinstance(b.shape, wrapper.Sphere) and (b.dynamic or b.isClumpMember)
+        ),
+        default=math.inf,
+    )
 
 
 def _hollarsLaw():
@@ -276,16 +301,18 @@ def check():
 
 
 def _checkFolded(net):
-    """Refuses a body that lies in the folded net and does not belong to it."""
+    """Warns of a body that lies in the folded net and does not belong to it."""
     low, high = net.knots.min(axis=0) - net.radius, net.knots.max(axis=0) + net.radius
     own = {number for _, number in net._attached}
     for body in _solids():
         reach = _halfSize(body)
         center = np.array(list(body.state.pos))
         if body.id not in own and (center + reach > low).all() and (center - reach < high).all():
-            raise ValueError(
-                f"{net.name}: {_name(body)} at {tuple(map(float, center))} reaches into the folded net, which would "
-                "unfold inside it: put it farther away, or lay the net flat around it (fold=None)"
+            warnings.warn(
+                f"{net.name}: {_name(body)} at {tuple(map(float, center))} reaches into the folded net, "
+                "which unfolds inside it unless relax() or a move takes one of them away before the "
+                "first step",
+                stacklevel=3,
             )
 
 
