@@ -11,7 +11,7 @@ import pathlib
 import numpy as np
 
 import ancf
-from ancf import pulleys
+from ancf import pulleys, render
 from yade import O, Vector3
 
 # ---- parameters, SI units ----------------------------------------------------------------------
@@ -122,6 +122,8 @@ def main():
     axes[1].set_xlabel("load torque [N m]")
     axes[1].legend()
     figure.savefig(folder / "belt.png", dpi=150)
+    view = render.View(direction=(-0.35, 1, -0.35))
+    render.picture(folder / "belt-scene.png", [cable], view=view, size=(1080, 600))
     np.savetxt(
         folder / "belt.csv",
         np.array(rows),

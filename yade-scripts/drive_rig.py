@@ -14,7 +14,7 @@ import time
 import numpy as np
 
 import ancf
-from ancf import pulleys
+from ancf import pulleys, render
 from yade import O, Vector3, utils, wrapper
 
 # ---- parameters, SI units ----------------------------------------------------------------------
@@ -231,6 +231,8 @@ def main():
         writer.writeheader()
         writer.writerows(rows)
     plot(rows, folder)
+    view = render.View(direction=(-0.4, 1, -0.3))
+    render.picture(folder / "drive_rig-scene.png", [cable], view=view, size=(900, 800))
 
 
 if __name__ == "__main__":

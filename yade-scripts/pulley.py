@@ -10,7 +10,7 @@ import pathlib
 import numpy as np
 
 import ancf
-from ancf import pulleys
+from ancf import pulleys, render
 from yade import O, Vector3, utils
 
 # ---- parameters, SI units ----------------------------------------------------------------------
@@ -132,6 +132,8 @@ def main():
     for ax in axes:
         ax.legend()
     figure.savefig(folder / "pulley.png", dpi=150)
+    view = render.View(direction=(-0.5, 1, -0.3))
+    render.picture(folder / "pulley-scene.png", [cable], view=view, size=(600, 900))
     header = "t,v_light,v_heavy,v_rim,entry,exit,wrap_angle"
     np.savetxt(folder / "pulley.csv", np.array(rows), delimiter=",", header=header, comments="")
 

@@ -176,8 +176,8 @@ void Gl1_Sheave::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bo
         for (int i = 0; i <= parts; ++i) {
             const float c = std::cos(2 * M_PI * i / parts), s = std::sin(2 * M_PI * i / parts);
             gl.normal(c * dz / length, s * dz / length, -dr / length);
+            gl.vertex(r1 * c, r1 * s, z1); // first, so that faces look outwards: others are not drawn
             gl.vertex(r0 * c, r0 * s, z0);
-            gl.vertex(r1 * c, r1 * s, z1);
         }
         gl.end();
     }

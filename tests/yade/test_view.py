@@ -82,6 +82,10 @@ def test_net_and_sheave_in_the_view(screen, tmp_path):
     assert all(part.sum() > 500 for part in thirds)
     bluish = (shot[..., 2] > shot[..., 0] + 30) & away
     assert bluish.sum() > 200
+    # The near side of the sheave is one flat disc: seen from outside, not into it.
+    disc = shot[:, 400:][away[:, 400:]]
+    usual = np.median(disc, axis=0)
+    assert (np.abs(disc - usual).max(axis=1) < 12).mean() > 0.7
 
 
 def test_view_of_a_running_scene(screen, tmp_path):
