@@ -57,6 +57,7 @@ namespace {
 
 CableCheck::CableCheck(const CableEngine& engine) : cable(engine) {
     cable.needSound();
+    cable.checkNumbers();
     cable.checkBodies();
     const Scene& s = cable.theScene();
     for (size_t e = 0; e < cable.elementIds.size(); ++e) {

@@ -138,6 +138,7 @@ class CableEngine : public GlobalEngine {
     void makeImplicit();
     void mapBodies();
     void checkScene() const;
+    void checkNumbers() const;
     void checkDriven();
     void checkSurroundings() const;
     void checkStart();

@@ -23,9 +23,21 @@ namespace {
 void CableEngine::checkScene() const {
     const Scene& s = theScene();
     if (s.isPeriodic) refuse("a periodic cell is not supported: set O.periodic = False");
-    for (size_t id = 0; id < s.bodies->size(); ++id)
-        if (const Body* body = (*s.bodies)[id].get(); body && body->id != static_cast<Body::id_t>(id))
+    checkNumbers();
+}
+
+// Of bodies that were loaded from a file.
+void CableEngine::checkNumbers() const {
+    const BodyContainer& bodies = *theScene().bodies;
+    for (size_t id = 0; id < bodies.size(); ++id) {
+        const Body* body = bodies[id].get();
+        if (!body) continue;
+        if (body->id != static_cast<Body::id_t>(id))
             refuse(text("body ", id, " says that its id is ", body->id, ": the saved scene is damaged, load another"));
+        if (body->isClumpMember() && !(bodies.exists(body->clumpId) && bodies[body->clumpId]->isClump()))
+            refuse(text("body ", id, " says that it is a member of clump ", body->clumpId,
+                        ", which is none: the saved scene is damaged, load another"));
+    }
 }
 
 // A body whose drive is gone, or switched off, would go on at its last speed.

@@ -172,13 +172,21 @@ def test_damaged_xml(files, tmp_path):
     assert not bad, "\n".join(bad)
 
 
-def test_a_body_of_another_number(files, tmp_path):
-    path = tmp_path / "number.xml"
+@pytest.mark.parametrize(
+    "there, instead, words",
+    [
+        ("<id>0</id>", "<id>2147483647</id>", "body 0 says that its id is 2147483647"),
+        ("<clumpId>-1<", "<clumpId>1000000<", "member of clump 1000000, which is none"),
+        ("<clumpId>-1<", "<clumpId>2<", "member of clump 2, which is none"),
+    ],
+)
+def test_numbers_of_bodies(files, tmp_path, there, instead, words):
+    path = tmp_path / "numbers.xml"
     text = files["xml"].decode()
-    assert text.count("<id>0</id>") >= 1
-    path.write_text(text.replace("<id>0</id>", "<id>2147483647</id>", 1))
+    assert there in text
+    path.write_text(text.replace(there, instead, 1))
     how, told = forked(lambda: loaded(str(path)))
-    assert how == "RuntimeError" and "body 0 says that its id is 2147483647" in told
+    assert how == "RuntimeError" and words in told
 
 
 # ---- at random, by command line --------------------------------------------------------------------

@@ -46,13 +46,14 @@ void fuzz_rest(fuzz* f) {
     ancf_rest* rest = NULL;
     const double tolerance = magnitude(f, 1e-9, 1e-3);
     spoil(f, &b);
+    const bool finite = all_finite(b.x, 3 * b.stride); // what no force feels stays as it is
     if (by_chance(f, 0.1)) fuzz_fail_allocation(1 + pick(f, 60));
     if (t.n > 0 && ancf_rest_create(&rest, b.m, cover, t.between, KINDS, t.obstacle, t.n, t.pair, t.n_pairs)) {
         need(rest == NULL);
     } else {
         const ancf_error error = ancf_equilibrium(b.m, tolerance, 1 + pick(f, FREE_MOST), rest);
         need(error == ANCF_OK || error == ANCF_E_EQUILIBRIUM || error == ANCF_E_MEMORY || error == ANCF_E_FACTOR);
-        for (int i = 0; i < 3 * b.stride && error == ANCF_OK; ++i) need(isfinite(b.x[i]) && b.v[i] == 0.0);
+        for (int i = 0; i < 3 * b.stride && error == ANCF_OK; ++i) need((isfinite(b.x[i]) || !finite) && b.v[i] == 0.0);
     }
     fuzz_fail_allocation(0);
     ancf_rest_destroy(rest);
