@@ -18,8 +18,10 @@ namespace {
         return text("element ", e, ", number ", e - cable.structure[i], " of its cable or net");
     }
 
-    // The attribute and value for which an element is refused.
+    // The attribute and value for which an element, or a node, is refused.
     string culprit(ancf_error error, const ancf_def& def, int e) {
+        if (error == ANCF_E_LOOSE) return text("node ", e, " of ends, tiedNodes and nNodes");
+        if (error == ANCF_E_STATE) return "position or velocity";
         const ancf_element& el = def.element[e];
         const bool badEa = !(std::isfinite(el.ea) && el.ea > 0);
         switch (error) {
@@ -40,7 +42,7 @@ namespace {
         case ANCF_E_SPRING:
             return text("kind = ", el.kind, " with ei = ", el.ei, " N m²");
         default:
-            return "position or velocity";
+            return "";
         }
     }
 
@@ -102,10 +104,11 @@ namespace {
         vector<int> hold(static_cast<size_t>(c.nNodes) + 2 * n, ANCF_FREE);
         for (const int node : c.tiedNodes) // another stands for them
             if (node >= 0 && node < c.nNodes) hold[static_cast<size_t>(node)] = ANCF_HELD;
-        const ancf_def def = {c.nNodes, static_cast<int>(n), elements.data(), c.ends.data(), c.next.data(), nullptr,
-                              hold.data()};
+        const ancf_def def = {c.nNodes, static_cast<int>(n), elements.data(), c.ends.data(), c.next.data(),
+                              nullptr,  hold.data()};
         int where = 0;
         const ancf_error error = ancf_model_check(&def, c.position.data(), c.velocity.data(), &where);
+        if (error == ANCF_E_LOOSE) all.refuse(culprit(error, def, where), ": ", ancf_error_text(error));
         if (error) all.refuse(elementText(c, where), ": ", culprit(error, def, where), ": ", ancf_error_text(error));
     }
 

@@ -435,8 +435,8 @@ def test_restitution_of_free_grains(scene, speed, alpha):
 
 
 def test_step_is_a_seventh_of_the_shortest_contact_time(scene):
-    material("soft", young=1e7, density=1000)
-    material("hard", young=1e9, density=3000)
+    material("soft", young=1e7, density=1000, impactDamping=0)
+    material("hard", young=1e9, density=3000, impactDamping=0)
     O.materials.append(wrapper.FrictMat(young=1e8, poisson=0.2, density=2000, label="frict"))
     O.engines = bodyEngines()
     step = law().contactTimeStep
@@ -465,8 +465,42 @@ def test_step_is_a_seventh_of_the_shortest_contact_time(scene):
             step(bad)
 
 
+@pytest.mark.parametrize("alpha, speed", [(0.3, 1), (0.1, 20)])
+def test_step_sees_damping_as_it_stiffens_first_touch(scene, alpha, speed):
+    """f = k d^n (1 + 1.5 alpha d'): Hunt and Crossley 1975."""
+    material("damped", young=1e7, density=1000, impactDamping=alpha)
+    O.engines = bodyEngines()
+    O.bodies.append(utils.sphere((0, 0, 0), 0.01, material="damped"))
+    plane((0, 0, -1), (1, 1, 0.1), material="damped")
+    k = hertz(0.01, 1e7, 0.3, 1e7, 0.3) * (1 + 1.5 * alpha * speed)
+    mass = 4 / 3 * math.pi * 0.01**3 * 1000
+    assert law().contactTimeStep(speed) == pytest.approx(
+        contactTime(k, speed, 1 / mass) / 7, rel=1e-4
+    )
+
+
+@pytest.mark.parametrize("speed", [5, 20])
+def test_books_of_a_damped_impact(scene, speed):
+    """What a hard blow loses is what contactDamping counts, at contactTimeStep."""
+    material("damped", young=1e7, density=1000, impactDamping=0.1)
+    O.trackEnergy = True
+    O.engines = bodyEngines()
+    plane((0, 0, -0.1), (1, 1, 0.1), material="damped")
+    number = ball((0, 0, 0.0101), 0.01, mass=0.004, material="damped")
+    O.dt = law().contactTimeStep(speed)
+    state = O.bodies[number].state
+    state.vel = Vector3(0, 0, -speed)
+    start = 0.002 * speed**2
+    while state.vel[2] <= 0 or O.interactions.countReal():
+        O.step()
+    left = 0.002 * state.vel.squaredNorm()
+    steps(2)
+    assert left < 0.9 * start
+    assert O.energy["contactDamping"] == pytest.approx(start - left, abs=0.02 * start)
+
+
 def test_step_sees_clumps_by_their_own_inertia(scene):
-    material("m", young=1e7, density=1000)
+    material("m", young=1e7, density=1000, impactDamping=0)
     O.engines = bodyEngines()
     plane((0, 0, -1), (1, 1, 0.1), material="m")
     parts = [utils.sphere((x, 0, 0), 0.01, material="m") for x in (0, 0.1)]

@@ -164,7 +164,7 @@ def theScene():
 # What an engine only tells of its last step; or what it takes to be anew.
 TOLD = (
     "rejectedSteps newtonIterations stepParts contacts contactSteps sweeps normalLeft frictionLeft frictionUnsolved "
-    "acceleration dead ompThreads label timingDeltas execTime execCount sleep family carryReaction"
+    "acceleration dead ompThreads label timingDeltas execTime execCount sleep family carryReaction record"
 ).split()
 
 SCALARS = {
