@@ -7,8 +7,8 @@
 #include "text.hpp"
 
 extern "C" {
-#include "ancf/tension.h"
 #include "ancf/stability.h"
+#include "ancf/tension.h"
 }
 
 #include <cmath>

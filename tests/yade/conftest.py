@@ -1,5 +1,6 @@
 """Scenes run inside the process of pytest: every test starts from an empty one."""
 
+import math
 import os
 import pathlib
 import sys
@@ -22,3 +23,19 @@ def scene():
     O.trackEnergy = False
     yield O
     O.reset()
+
+
+@pytest.fixture
+def net(scene):
+    """A net with bullets, a ball and a box, after some steps."""
+    import ancf
+    from helpers import ball, material, plane, squareNet, steps
+
+    material("cable")
+    target = ball((0.3, 0, 0), 0.05, material="cable")
+    box = plane((0.3, 0.2, 0), (0.05, 0.04, 0.03), material="cable")
+    made = squareNet(2, 0.06, fold=0.8, mass="lumped")
+    made.addBullets(0.05, 0.008, 1.5, math.radians(15))
+    scene.engines = ancf.engines(made)
+    steps(20)
+    return made, target, box

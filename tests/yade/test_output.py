@@ -8,20 +8,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 from ancf.vtk import VtkRecorder
-from helpers import O, ancf, ball, material, plane, squareNet, steps, utils
-
-
-@pytest.fixture
-def net(scene):
-    """A net with bullets, a ball and a box, after some steps."""
-    material("cable")
-    target = ball((0.3, 0, 0), 0.05, material="cable")
-    box = plane((0.3, 0.2, 0), (0.05, 0.04, 0.03), material="cable")
-    made = squareNet(2, 0.06, fold=0.8, mass="lumped")
-    made.addBullets(0.05, 0.008, 1.5, math.radians(15))
-    O.engines = ancf.engines(made)
-    steps(20)
-    return made, target, box
+from helpers import O, ancf, material, plane, steps, utils
 
 
 def test_history(net, tmp_path):

@@ -11,22 +11,9 @@ import pytest
 from PIL import Image, ImageSequence
 
 from ancf.render import CABLE, COLORS, SKY, Film, Frame, View, picture, sheet
-from helpers import O, Vector3, ancf, ball, material, plane, squareNet, steps, utils
+from helpers import O, Vector3, ancf, ball, material, plane, steps, utils
 
 RED, GREEN = "#d01010", "#10b020"
-
-
-@pytest.fixture
-def net(scene):
-    """A net with bullets, a ball and a box, after some steps."""
-    material("cable")
-    target = ball((0.3, 0, 0), 0.05, material="cable")
-    box = plane((0.3, 0.2, 0), (0.05, 0.04, 0.03), material="cable")
-    made = squareNet(2, 0.06, fold=0.8, mass="lumped")
-    made.addBullets(0.05, 0.008, 1.5, math.radians(15))
-    O.engines = ancf.engines(made)
-    steps(20)
-    return made, target, box
 
 
 def read(path):

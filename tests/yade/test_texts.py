@@ -353,7 +353,11 @@ TEXTS = [
     (lambda: path(gap=NAN), ValueError, "Path: gap = nan: must be finite"),
     (lambda: path(gap=-1), ValueError, "Path: gap = -0.99.*inside the axle of sheave 0"),
     (lambda: pulleys.lay(None, 20, **GOOD), TypeError, "lay: path = None: must be a Path"),
-    (lambda: lay(tension=1e300), ValueError, "lay: tension = 1e[+]300: it would be laid .* times as long"),
+    (
+        lambda: lay(tension=1e300),
+        ValueError,
+        "lay: tension = 1e[+]300: it would be laid .* times as long",
+    ),
     (lambda: lay(tension=NAN), ValueError, "lay: tension = nan: must be finite"),
     (lambda: lay(tension=lambda s: "a"), TypeError, "lay: tension.0. = 'a': must be a number"),
     (lambda: lay(elements=2), ValueError, "lay: elements = 2: must be at least 3"),
