@@ -90,3 +90,18 @@ def test_spinning_cable(scene):
     true = cable.section.rhoA * 100 * (1 - s**2) / 2
     assert np.abs(mean / count - true).max() < 0.01 * true.max()
     assert math.isclose(true.max(), 50 * cable.mass, rel_tol=1e-12)
+
+
+@pytest.mark.parametrize("elements", [1, 2])
+def test_hanging_straight_down(scene, elements):
+    """Its own weight, from nothing at the end to all of it at the top."""
+    material("cable", young=1e8, density=1000)
+    cable = ancf.Cable(
+        [(0, 0, 0), (0, 0, -1)], elements, diameter=5e-3, material="cable", contactPoints=0
+    )
+    cable.fix(0)
+    O.engines = ancf.engines(cable, gravity=(0, 0, -9.81))
+    cable.relax()
+    s = cable._span.stations(8)
+    weight = 9.81 * cable.mass
+    assert cable.tensions(8) == pytest.approx(weight * (1 - s), abs=1e-4 * weight)
