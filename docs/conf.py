@@ -14,17 +14,20 @@ version = release = next(
     if line.startswith("project(")
 )
 
-extensions = ["sphinx.ext.autodoc", "sphinx.ext.mathjax", "docstrings"]
+extensions = ["sphinx.ext.autodoc", "sphinx.ext.mathjax", "docstrings", "formulas"]
+mathjax_path = "mathjax/MathJax.js"
+mathjax2_config = {
+    "jax": ["input/TeX", "output/CommonHTML"],
+    "extensions": ["tex2jax.js"],
+    "TeX": {"extensions": ["AMSmath.js", "AMSsymbols.js"]},
+    "messageStyle": "none",
+}
 default_role = "code"
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True, "inherited-members": True}
 add_module_names = False
 exclude_patterns = ["images"]
-html_theme = "alabaster"
-html_theme_options = {
-    "description": "Cables and nets for YADE",
-    "page_width": "1080px",
-    "fixed_sidebar": True,
-}
-html_sidebars = {"**": ["about.html", "navigation.html", "searchbox.html"]}
+html_theme = "sphinx_rtd_theme"
+html_static_path = ["static"]
+html_css_files = ["wide.css"]
 html_show_sourcelink = False
