@@ -91,7 +91,6 @@ ancf_error ancf_model_check(const ancf_def* def, const double* x, const double* 
     ancf_error error = check_elements(def, where);
     if (!error) error = check_next(def, where);
     if (!error) error = check_masses(def, where);
-    if (!error) error = check_loose(def, where);
     return error ? error : check_state(def, x, v, where);
 }
 
@@ -189,6 +188,7 @@ ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x,
     if (!where) where = &unused;
     *model = NULL;
     ancf_error error = ancf_model_check(def, x, v, where);
+    if (!error) error = check_loose(def, where);
     if (error) return error;
 
     ancf_model* m = calloc(1, sizeof *m);

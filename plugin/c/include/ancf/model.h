@@ -123,7 +123,8 @@ typedef struct {
 ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x, double* v, int* where);
 void ancf_model_destroy(ancf_model* model);
 
-// What ancf_model_create refuses, but for what only shows when memory and a factor are needed.
+// What ancf_model_create refuses, but for nodes without elements that are not held, and what only shows when memory and
+// a factor are needed.
 ancf_error ancf_model_check(const ancf_def* def, const double* x, const double* v, int* where);
 
 int ancf_stride(int n_nodes, int n_elements);
