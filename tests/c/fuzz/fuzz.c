@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { BLOCK = 2000, SECONDS = 20 };
+enum { BLOCK = 2000, SECONDS = 120 };
 
 static const struct {
     const char* name;
