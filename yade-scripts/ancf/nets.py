@@ -209,6 +209,7 @@ class Net(Structure):
             ball.state.blockedDOFs = "xyz"
             number = O.bodies.append(ball)
             self.bullets.append(number)
+            del self._claims[knot]
             self.carry(knot, number)
         self._bulletsLater = None
 

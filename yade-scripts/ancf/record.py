@@ -22,21 +22,22 @@ def structures():
     They are made anew at each call, also after O.load and in another process, and do all that those
     of the script do that made the scene. Raises ValueError if CableEngine.record was damaged.
     """
-    return [
-        _structure(engine, i, text)
-        for engine in cableEngines()
-        for i, text in enumerate(engine.record)
-    ]
+    return [made for engine in cableEngines() for made in _structures(engine)]
 
 
-def _structure(engine, i, text):
-    try:
-        return _made(engine, i, json.loads(text))
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
-        where = f"CableEngine {engine.family}.record[{i}] = {text[:60]!r}"
-        raise ValueError(
-            f"{where}: does not describe a Cable or Net of this engine ({error}): load another save"
-        ) from error
+def _structures(engine):
+    made = []
+    for i, text in enumerate(engine.record):
+        try:
+            made.append(_made(engine, i, json.loads(text)))
+        except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+            where = f"CableEngine {engine.family}.record[{i}] = {text[:60]!r}"
+            raise ValueError(
+                f"{where}: does not describe a Cable or Net of this engine ({error}): load another "
+                "save"
+            ) from error
+    _claim(engine, made)
+    return made
 
 
 def _made(engine, number, known):
@@ -61,3 +62,27 @@ def _made(engine, number, known):
     made.bodies = [b for b in engine.elementIds[elements] if b >= 0]
     made._recall(known["own"])
     return made
+
+
+def _claim(engine, structures):
+    """Tells structures what holds their knots, by the engine's lists."""
+    knots = {}  # node -> (structure, knot)
+    for one in structures:
+        knots |= {one._first[0] + knot: (one, knot) for knot in range(one._layout.knots)}
+    standing = {}  # node -> those that it stands for
+    for node in engine.tiedNodes:
+        standing.setdefault(engine.tied(node), []).append(node)
+    for node, others in standing.items():
+        first, at = knots[node]
+        for other in others:
+            one, knot = knots[other]
+            one._claims[knot] = f"tied to knot {at} of {first.name}"
+    holds = [(node, "fixed") for node in engine.fixedNodes]
+    holds += [(n, f"following body {b}") for n, b in zip(engine.followNodes, engine.followIds)]
+    holds += [(n, f"carrying body {b}") for n, b in zip(engine.carryNodes, engine.carryIds)]
+    ends = engine.ends
+    clamped = {ends[end] for end in engine.clampedEnds}
+    for node, what in holds:
+        for held in {node, *standing.get(node, [])} & knots.keys():
+            one, knot = knots[held]
+            one._claims[knot] = "clamped" if what == "fixed" and node in clamped else what

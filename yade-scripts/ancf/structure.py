@@ -369,7 +369,7 @@ class Structure:
         self._family = None
         self._first = (0, 0)  # numbers of our first node and element in the engine
         self._number = -1  # of us in its record
-        self._claims = {}  # knot -> what will hold it, until append()
+        self._claims = {}  # knot -> what holds it
         self._later = []  # (condition, what follows from it) to be carried out at append
         self._velocity = None  # (nodes (n, 3), slopes (2 E, 3)) at the start
         self._ties = []  # (structure, knot, structure, knot) to be made once both are in an engine
@@ -579,69 +579,17 @@ class Structure:
 
     def _mayClaim(self, knot, what):
         """Refuses what does not go with that which holds a knot."""
-        held = self._held().get(knot)
+        held = self._claims.get(knot)
         if held and held != what and {held, what} != {"fixed", "clamped"}:
             raise ValueError(
                 f"{self.name}: knot {knot} is {held} and cannot be {what} as well; "
                 f"release({knot}) first, or take another knot"
             )
 
-    def _claim(self, knot, what):
-        """Notes what will hold a knot once it is in an engine, which knows it then."""
-        if not self.appended:
-            self._claims[knot] = what
-
-    def _held(self):
-        """What holds knots: knot -> "fixed", "clamped", "following body 3", "carrying body 3" or
-        "tied to knot 3 of Net".
-        """
-        if not self.appended:
-            return self._claims
-        engine = self.engine
-        first, lay = self._first[0], self._layout
-        standing = dict(zip(engine.tiedNodes, engine.tiedTo))
-        knots = {}  # node that stands for others -> our knots
-        held = {}
-        for node in standing:
-            if first <= node < first + lay.knots:
-                held[node - first] = self._tiedWith(engine.tied(node))
-                knots.setdefault(engine.tied(node), []).append(node - first)
-        ends = np.array(engine.clampedEnds, int) - 2 * self._first[1]
-        ends = ends[(ends >= 0) & (ends < 2 * self.elementCount)]
-        clamped = set(lay.ends.ravel()[ends].tolist())
-        holds = [(node, "fixed") for node in engine.fixedNodes]
-        for what, nodes, ids in (
-            ("following", engine.followNodes, engine.followIds),
-            ("carrying", engine.carryNodes, engine.carryIds),
-        ):
-            holds += [(node, f"{what} body {number}") for node, number in zip(nodes, ids)]
-        for node, what in holds:
-            own = [node - first] if first <= node < first + lay.knots else []
-            for knot in own + knots.get(node, []):
-                held[knot] = "clamped" if what == "fixed" and knot in clamped else what
-        return held
-
-    def _tiedWith(self, node):
-        """Names the knot that a node of the engine belongs to."""
-        from .record import structures
-
-        for other in structures():
-            knot = node - other._first[0]
-            if other._family == self._family and 0 <= knot < other._layout.knots:
-                return f"tied to knot {knot} of {other.name}"
-        return f"tied to node {node}"
-
     @property
     def _attached(self):
         """(knot, body id) that it carries or follows."""
-        if not self.appended:
-            return [(k, int(w.split()[-1])) for k, w in self._claims.items() if " body " in w]
-        engine, first = self.engine, self._first[0]
-        nodes = [*engine.carryNodes, *engine.followNodes]
-        ids = [*engine.carryIds, *engine.followIds]
-        return [
-            (n - first, i) for n, i in zip(nodes, ids) if first <= n < first + self._layout.knots
-        ]
+        return [(k, int(w.split()[-1])) for k, w in self._claims.items() if " body " in w]
 
     def _when(self, condition, after=lambda: None):
         """Carries a condition of the engine out now, or at append, and then what follows from it.
@@ -657,10 +605,10 @@ class Structure:
         """Holds a knot where it is."""
         knot = self.knot(knot)
         self._mayClaim(knot, "fixed")
-        if self._held().get(knot) in ("fixed", "clamped"):
+        if self._claims.get(knot) in ("fixed", "clamped"):
             return
         self._when(lambda: self.engine.fix(self._node(knot)))
-        self._claim(knot, "fixed")
+        self._claims[knot] = "fixed"
 
     def clamp(self, knot):
         """Holds a knot where it is and the slopes of the cables at it. ValueError for springs,
@@ -672,9 +620,9 @@ class Structure:
                 f"{self.name}.clamp({knot}): springs have no slopes; use model='ancf', or fix"
             )
         self._mayClaim(knot, "clamped")
-        wasHeld = self._held().get(knot) in ("fixed", "clamped")
+        wasHeld = self._claims.get(knot) in ("fixed", "clamped")
         self._when(lambda: self._clampNow(knot, wasHeld))
-        self._claim(knot, "clamped")
+        self._claims[knot] = "clamped"
 
     def _clampNow(self, knot, wasHeld):
         engine = self.engine
@@ -693,7 +641,7 @@ class Structure:
             lambda: self.engine.follow(self._node(knot), bodyId),
             lambda: self._attach(knot, bodyId),
         )
-        self._claim(knot, claim)
+        self._claims[knot] = claim
 
     def carry(self, knot, bodyId, at=(0, 0, 0)):
         """Hangs a body on a knot: the knot stays at `at` [m] in the body's frame, the body's mass
@@ -713,7 +661,7 @@ class Structure:
             lambda: self._carryNow(knot, bodyId, at),
             lambda: (_makeCarried(O.bodies[bodyId]), self._attach(knot, bodyId)),
         )
-        self._claim(knot, claim)
+        self._claims[knot] = claim
 
     def _carryNow(self, knot, bodyId, at):
         engine, state = self.engine, O.bodies[bodyId].state
@@ -732,7 +680,7 @@ class Structure:
     def release(self, knot):
         """Lets a fixed, clamped or following knot go, and takes its load away."""
         knot = self.knot(knot)
-        held = self._held().get(knot, "")
+        held = self._claims.get(knot, "")
         if held.startswith(("carrying", "tied")):
             raise ValueError(f"{self.name}.release({knot}): it is {held}, which is for good")
         self._when(lambda: self.engine.release(self._node(knot)))
@@ -764,7 +712,7 @@ class Structure:
         else:
             for structure in {self, other}:
                 structure._ties.append(tie)
-        self._claim(knot, claim)
+        self._claims[knot] = claim
 
     def _sameEngine(self, other):
         if self._family != other._family:
@@ -821,7 +769,7 @@ class Structure:
         if not callable(f):
             remedy = "must be a function of a point, such as lambda p: Vector3(0, 0, 1)"
             values.refuse(f"{self.name}.setVelocity: f", f, remedy, TypeError)
-        carried = [(k, i) for k, i in self._attached if self._held()[k].startswith("carrying")]
+        carried = [(k, i) for k, i in self._attached if self._claims[k].startswith("carrying")]
         for knot, bodyId in carried:
             findBody(f"{self.name}.setVelocity: knot {knot} carries", bodyId)
         nodes, slopes = self._state()
