@@ -102,6 +102,8 @@ def test_belt_of_a_length(scene):
     path = pulleys.Path([(i, 1) for i in wheels], diameter=5e-3)
     belt = pulleys.lay(path, 60, slack=-0.01, diameter=5e-3, material="cable")
     assert belt.length == pytest.approx(0.99 * path.length, rel=1e-5)
+    belt = pulleys.lay(path, 60, length=2.6, diameter=5e-3, material="cable")
+    assert belt.length == pytest.approx(2.6, rel=1e-14)
 
 
 @pytest.mark.parametrize(

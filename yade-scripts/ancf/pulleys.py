@@ -369,13 +369,15 @@ def lay(path, elements, *, length=None, slack=None, tension=None, **cable):
     if section.spring:
         raise ValueError("lay: model='springs' lies on no arc; use model='ancf'")
 
-    def ratios(at):
-        pull = [tension(s) for s in at] if callable(tension) else tension
-        return stretch.ratios("lay: ", section, np.full(len(at), path.length), length, slack, pull)
-
     middles = (np.arange(elements) + 0.5) * path.length / elements
     i, j = layout.ends.T
-    layout.length = curveLength(points[i], tangents[i], points[j], tangents[j]) / ratios(middles)
+    laid = curveLength(points[i], tangents[i], points[j], tangents[j])
+
+    def ratios(at):
+        pull = [tension(s) for s in at] if callable(tension) else tension
+        return stretch.ratios("lay: ", section, np.full(len(at), laid.sum()), length, slack, pull)
+
+    layout.length = laid / ratios(middles)
     slopes = ratios(places)[:, None] * tangents
     layout.slopes = np.stack([slopes[i], slopes[j]], axis=1).reshape(-1, 3)
     return made

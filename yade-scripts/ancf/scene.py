@@ -7,7 +7,7 @@ import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
-from .structure import ELEMENTS, LUMPED, Structure, cableEngines
+from .structure import ELEMENTS, LUMPED, Structure, cableEngines, matrix
 
 LAW_OPTIONS = {
     "normal": ("nonlinear", "hertz", "linear"),
@@ -325,9 +325,7 @@ def _halfSize(body):
     """Half the sides of a body's bounding box (3) [m]."""
     if isinstance(body.shape, wrapper.Sphere):
         return np.full(3, body.shape.radius)
-    turn = body.state.ori.toRotationMatrix()
-    turn = np.array([[turn[i, j] for j in range(3)] for i in range(3)])
-    return np.abs(turn) @ np.array(list(body.shape.extents))
+    return np.abs(matrix(body.state.ori)) @ np.array(list(body.shape.extents))
 
 
 def _place(kind):

@@ -81,7 +81,7 @@ class Layout:
     nodes: int
     edges: np.ndarray  # (n, 2) knot numbers
     parts: int  # elements of an edge
-    places: np.ndarray | None  # (nodes, 3) [m]; None once the engine has them
+    places: np.ndarray | None  # (nodes, 3) [m]; None where only the engine has them
     slopes: np.ndarray | None  # (2 E, 3): start, end of every element
     ends: np.ndarray  # (E, 2) start node, end node
     length: np.ndarray  # (E) unstressed [m]
@@ -811,24 +811,29 @@ class Structure:
             return self._layout.places[knot]
         return np.frombuffer(self.engine.state(self._first[0] + knot, 1, 0, 0))
 
-    def _points(self, state, elements, xi):
-        """Positions (n, k, 3) at xi (k, or one) of the elements that a slice or numbers (n) choose."""
+    def _unknowns(self, state, elements):
+        """Positions and slopes at the starts and ends, r0, g0, r1, g1 (n, 3), of the elements that a
+        slice or numbers (n) choose.
+        """
         nodes, slopes = state
         r0, r1 = np.moveaxis(nodes[self._layout.ends[elements]], 1, 0)
+        g0, g1 = np.moveaxis(slopes.reshape(-1, 2, 3)[elements], 1, 0)
+        return r0, g0, r1, g1
+
+    def _points(self, state, elements, xi):
+        """Positions (n, k, 3) at xi (k, or one) of the elements that a slice or numbers (n) choose."""
+        r0, g0, r1, g1 = self._unknowns(state, elements)
         xi = np.atleast_1d(xi)
         if self.section.spring:
             return r0[:, None] + xi[:, None] * (r1 - r0)[:, None]
-        g0, g1 = np.moveaxis(slopes.reshape(-1, 2, 3)[elements], 1, 0)
         weights = shape(xi, self._layout.length[elements][:, None])
         return weights @ np.stack([r0, g0, r1, g1], axis=1)
 
     def _curvatures(self, elements, xi):
         """Curvature (n, k) of the cubics at xi (k) [1/m]."""
-        if self.section.kind & SPRING:
+        if self.section.spring:
             return np.zeros((len(self._layout.length[elements]), len(xi)))
-        nodes, slopes = self._state()
-        r0, r1 = np.moveaxis(nodes[self._layout.ends[elements]], 1, 0)
-        g0, g1 = np.moveaxis(slopes.reshape(-1, 2, 3)[elements], 1, 0)
+        r0, g0, r1, g1 = self._unknowns(self._state(), elements)
         length = self._layout.length[elements][:, None]
         ends = np.stack([g0, (r1 - r0) / length, g1], axis=1)
         first, second = slopeWeights(xi) @ ends, curvatureWeights(xi) @ ends / length[..., None]
@@ -972,6 +977,12 @@ def _makeCarried(body):
             O.bodies[member].shape = wrapper.CarriedSphere(**shape.dict())
 
 
+def matrix(ori):
+    """A Quaternion as rotation matrix (3, 3)."""
+    m = ori.toRotationMatrix()
+    return np.array([[m[i, j] for j in range(3)] for i in range(3)])
+
+
 def _reach(shape):
     """How far a sphere or box reaches from its centre [m]; None: it is neither."""
     if isinstance(shape, wrapper.Sphere):
@@ -984,7 +995,6 @@ def _overlaps(body, points, radius):
     local = points - np.array(list(body.state.pos))
     if isinstance(body.shape, wrapper.Sphere):
         return (np.linalg.norm(local, axis=-1) < body.shape.radius + radius).any(axis=1)
-    turn = body.state.ori.conjugate().toRotationMatrix()
-    turned = local @ np.array([[turn[i, j] for j in range(3)] for i in range(3)]).T
+    turned = local @ matrix(body.state.ori)
     inside = np.abs(turned) < np.array(list(body.shape.extents)) + radius
     return inside.all(axis=-1).any(axis=1)

@@ -7,18 +7,14 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from yade import O, wrapper
 
+from .structure import matrix
+
 AROUND = 64  # faces around a sheave
 
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 _SIDES = np.array(
     [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 )
-
-
-def matrix(ori):
-    """A Quaternion as rotation matrix (3, 3)."""
-    m = ori.toRotationMatrix()
-    return np.array([[m[i, j] for j in range(3)] for i in range(3)])
 
 
 def solids(ids=None):
