@@ -2,10 +2,10 @@
 #include "ancf/tension.h"
 #include "internal.h"
 #include "settle.h"
+#include "slack.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // Dynamic relaxation with adaptive damping (Underwood 1983): the motion of a fictitious structure whose masses make a
@@ -139,62 +139,6 @@ static void touch(ancf_model* m, ancf_rest* rest, double* near, const double* ma
     }
 }
 
-// ---------------------------------------------------------------- slack
-
-static const double squeezed = 1e-3; // mean strain from which a compressed element is taken for slack
-
-// Largest compression of a beam, as mean strain; 0: none.
-static double compression(const ancf_model* m) {
-    double most = 0.0;
-    for (int e = 0; e < m->n_elements; ++e) {
-        double square = 0.0;
-        for (int c = 0; c < 3; ++c) {
-            const double* x = m->x + c * m->stride;
-            const double d = (x[m->ends[2 * e + 1]] - x[m->ends[2 * e]]) * m->inv_length[e];
-            square += d * d;
-        }
-        if (!(m->element[e].kind & ANCF_SPRING)) most = fmax(most, 0.5 * (1.0 - square));
-    }
-    return most;
-}
-
-static double load_of(const ancf_model* m) {
-    double sum = 0.0;
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < m->n_nodes; ++i) sum += fabs(m->external[c * m->stride + i] + m->gravity[c] * m->weight[i]);
-    return sum;
-}
-
-static double stiffest(const ancf_model* m) {
-    double most = 0.0;
-    for (int e = 0; e < m->n_elements; ++e) most = fmax(most, m->element[e].ea);
-    return most;
-}
-
-// A slack cable that is laid shorter than it is buckles in waves as short as its elements, in no direction of its own.
-// So its axial stiffness is taken away until the loads are as strong as the compression, and given back step by step:
-// it hangs where the loads pull it. real: its stiffnesses (2 x n_elements).
-static void hang(ancf_model* m, ancf_rest* rest, double* real) {
-    enum { PARTS = 4 }; // of a decade
-    double part = load_of(m) / (stiffest(m) * compression(m));
-    if (!(part > 0.0)) return;
-    for (int e = 0; e < m->n_elements; ++e) {
-        real[2 * e] = m->element[e].ea;
-        real[2 * e + 1] = m->ea_length[e];
-    }
-    for (bool found = true; found && part < 1.0; part *= pow(10.0, 1.0 / PARTS)) {
-        for (int e = 0; e < m->n_elements; ++e) {
-            m->element[e].ea = part * real[2 * e];
-            m->ea_length[e] = part * real[2 * e + 1];
-        }
-        found = ancf_settle(m, 1e-3, rest);
-    }
-    for (int e = 0; e < m->n_elements; ++e) {
-        m->element[e].ea = real[2 * e];
-        m->ea_length[e] = real[2 * e + 1];
-    }
-}
-
 static const double fading = 0.97; // contacts make it noisy
 
 ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations, ancf_rest* rest) {
@@ -203,12 +147,7 @@ ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations, anc
     double *rate = m->work + 2 * field, *before = rate + field, *mass = before + field, *still = mass + field;
     double* near = m->work; // masses where it may touch
     memset(m->v, 0, field * sizeof *m->v);
-    if (compression(m) > squeezed) {
-        double* real = malloc(2 * (size_t)m->n_elements * sizeof *real);
-        if (!real) return ANCF_E_MEMORY;
-        hang(m, rest, real);
-        free(real);
-    }
+    if (!ancf_hang(m, rest)) return ANCF_E_MEMORY;
     if (ancf_settle(m, tolerance, rest)) return ANCF_OK;
     memset(rate, 0, 4 * field * sizeof *rate);
     double damping = 0.0, stiffening = 0.0;

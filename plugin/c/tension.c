@@ -55,13 +55,14 @@ static void force_in_the_middle(double force[3], const ancf_model* m, int e) {
     for (int c = 0; c < 3; ++c) force[c] = -on[c];
 }
 
-// The other element at a node where two meet, one going in and one out, and nothing acts; or -1.
+// The other element at a node where two of ANCF meet, one going in and one out, and nothing acts; or -1.
 static int beyond(const ancf_model* m, int element, int node) {
     const int *at = m->at + m->first[node], count = m->first[node + 1] - m->first[node];
     if (count != 2 || (at[0] & 1) == (at[1] & 1) || m->hold[node] || ancf_mass_added(m, node) > 0.0) return -1;
     for (int c = 0; c < 3 && !m->unloaded; ++c)
         if (m->external[c * m->stride + node] != 0.0) return -1;
-    return (at[0] >> 1) == element ? at[1] >> 1 : at[0] >> 1;
+    const int other = (at[0] >> 1) == element ? at[1] >> 1 : at[0] >> 1;
+    return m->element[other].kind & ANCF_SPRING ? -1 : other;
 }
 
 double ancf_tension(const ancf_model* m, int element, double xi) {
@@ -76,10 +77,12 @@ double ancf_tension(const ancf_model* m, int element, double xi) {
     }
     double middle[3], next[3], force[3];
     force_in_the_middle(middle, m, element);
-    int end = xi < 0.5 ? 0 : 1;
+    int end = xi < 0.5 ? 0 : 1; // the nearer one, or the other if nothing is known beyond that
     int other = beyond(m, element, m->ends[2 * element + end]);
-    if (other < 0) other = beyond(m, element, m->ends[2 * element + (end = !end)]);
-    if (other >= 0 && m->element[other].kind & ANCF_SPRING) other = -1;
+    if (other < 0) {
+        end = !end;
+        other = beyond(m, element, m->ends[2 * element + end]);
+    }
     if (other >= 0) force_in_the_middle(next, m, other);
     for (int c = 0; c < 3; ++c) {
         double rise = -el->rho_a * m->gravity[c]; // per unstressed length

@@ -18,9 +18,8 @@ namespace {
         return text("element ", e, ", number ", e - cable.structure[i], " of its cable or net");
     }
 
-    // The attribute and value for which an element, or a node, is refused.
+    // The attribute and value for which an element is refused.
     string culprit(ancf_error error, const ancf_def& def, int e) {
-        if (error == ANCF_E_LOOSE) return text("node ", e, " of ends, tiedNodes and nNodes");
         if (error == ANCF_E_STATE) return "position or velocity";
         const ancf_element& el = def.element[e];
         const bool badEa = !(std::isfinite(el.ea) && el.ea > 0);
@@ -44,6 +43,13 @@ namespace {
         default:
             return "";
         }
+    }
+
+    // Why a definition is refused: of an element that `element` names, or of a node.
+    string faultText(ancf_error error, const ancf_def& def, int where, const string& element) {
+        const string place = error == ANCF_E_LOOSE ? text("node ", where, " of ends, tiedNodes and nNodes")
+                                                   : text(element, ": ", culprit(error, def, where));
+        return text(place, ": ", ancf_error_text(error));
     }
 
     void checkSettings(const Attributes& all, const CableEngine& c) {
@@ -108,8 +114,7 @@ namespace {
                               nullptr,  hold.data()};
         int where = 0;
         const ancf_error error = ancf_model_check(&def, c.position.data(), c.velocity.data(), &where);
-        if (error == ANCF_E_LOOSE) all.refuse(culprit(error, def, where), ": ", ancf_error_text(error));
-        if (error) all.refuse(elementText(c, where), ": ", culprit(error, def, where), ": ", ancf_error_text(error));
+        if (error) all.refuse(faultText(error, def, where, elementText(c, where)));
     }
 
     // What the elements show to the outside: of all, or of those before what was added last.
@@ -251,9 +256,7 @@ void CableEngine::checkDef(const char* what, const ancf_def& def, const Real* x,
     int where = 0;
     const ancf_error error = ancf_model_check(&def, x, v, &where);
     if (error == ANCF_E_EMPTY) throw std::invalid_argument(text(what, ": ", ancf_error_text(error)));
-    if (error)
-        throw std::invalid_argument(
-            text(what, ": element ", where, ": ", culprit(error, def, where), ": ", ancf_error_text(error)));
+    if (error) throw std::invalid_argument(text(what, ": ", faultText(error, def, where, text("element ", where))));
 }
 
 void CableEngine::needSound() const {

@@ -1,7 +1,6 @@
 // What may meet, and what rests: against brute force, and against searches that remember nothing.
 #include "build.h"
-
-#include "ancf/cross.h"
+#include "finder.h"
 
 enum { CABLES = 4, ELEMENTS = 5, ALL = CABLES * ELEMENTS, STEPS = 600 };
 
@@ -137,27 +136,6 @@ static void wander(scene* s, int k, uint64_t* seed) {
         }
 }
 
-typedef struct {
-    ancf_boxes* boxes;
-    ancf_motion* motion;
-    ancf_apart* apart;
-    ancf_table* table;
-} finder;
-
-static void finder_start(finder* f, const scene* s) {
-    assert_int_equal(ancf_boxes_create(&f->boxes, s->b.m, s->cover), ANCF_OK);
-    assert_int_equal(ancf_motion_create(&f->motion, s->b.m), ANCF_OK);
-    assert_int_equal(ancf_apart_create(&f->apart, s->b.m, s->cover, f->motion), ANCF_OK);
-    assert_int_equal(ancf_table_create(&f->table, s->b.m), ANCF_OK);
-}
-
-static void finder_end(finder* f) {
-    ancf_boxes_destroy(f->boxes);
-    ancf_apart_destroy(f->apart);
-    ancf_motion_destroy(f->motion);
-    ancf_table_destroy(f->table);
-}
-
 static void finder_set(finder* f, const scene* s) {
     const double ahead = 2.5 * step * ancf_boxes_fastest(s->b.m) + 0.05 * radius;
     ancf_boxes_plan(f->boxes, s->b.m, step, 100, ahead);
@@ -223,8 +201,8 @@ static void resting_changes_no_contact(void** state) {
         memset(&s, 0, sizeof s);
         scene_start(&s, &random, 0.1);
         finder lazy, eager;
-        finder_start(&lazy, &s);
-        finder_start(&eager, &s);
+        assert_true(finder_start(&lazy, s.b.m, s.cover));
+        assert_true(finder_start(&eager, s.b.m, s.cover));
         for (int k = 0; k < STEPS; ++k) {
             wander(&s, k, &random);
             if (k == STEPS / 2) // put elsewhere at once, all turned about
@@ -235,7 +213,7 @@ static void resting_changes_no_contact(void** state) {
             }
             finder_set(&eager, &s);
             finder fresh;
-            finder_start(&fresh, &s);
+            assert_true(finder_start(&fresh, s.b.m, s.cover));
             finder_set(&fresh, &s);
             const int n = finder_find(&fresh, &s);
             assert_int_equal(finder_find(&lazy, &s), n);
@@ -270,7 +248,7 @@ static void what_is_apart_rests(void** state) {
         *z = sqrt(0.5) * (along + up);
     }
     finder f;
-    finder_start(&f, &s);
+    assert_true(finder_start(&f, s.b.m, s.cover));
     finder_set(&f, &s);
     int n, asked = 0;
     ancf_boxes_meetings(f.boxes, &n);
@@ -306,7 +284,7 @@ static void meetings_are_all_pairs_in_order(void** state) {
         memset(&s, 0, sizeof s);
         scene_start(&s, &random, 0.1);
         finder f;
-        finder_start(&f, &s);
+        assert_true(finder_start(&f, s.b.m, s.cover));
         for (int k = 0; k < 5; ++k) {
             build_shake(&s.b, s.b.m->x, 0.5, &random);
             finder_set(&f, &s);

@@ -1,27 +1,8 @@
 // What finds contacts of cables with cables: boxes, pairs of segments, contacts.
-#include "ancf/cross.h"
+#include "../finder.h"
 #include "fuzz.h"
 
 enum { KINDS = 2, CONTACTS_MOST = 6 * 6 * 64 };
-
-typedef struct {
-    ancf_boxes* boxes;
-    ancf_motion* motion;
-    ancf_apart* apart;
-    ancf_table* table;
-} finder;
-
-static bool start(finder* s, const ancf_model* m, const ancf_cover* cover) {
-    return !ancf_boxes_create(&s->boxes, m, cover) && !ancf_motion_create(&s->motion, m) &&
-           !ancf_apart_create(&s->apart, m, cover, s->motion) && !ancf_table_create(&s->table, m);
-}
-
-static void end(finder* s) {
-    ancf_boxes_destroy(s->boxes);
-    ancf_motion_destroy(s->motion);
-    ancf_apart_destroy(s->apart);
-    ancf_table_destroy(s->table);
-}
 
 // Boxes set: elements that touch now are among the pairs that may meet.
 static bool look(finder* s, fuzz* f, const built* b, const ancf_cover* cover, double step) {
@@ -105,11 +86,11 @@ void fuzz_crossed(fuzz* f) {
     double* after = calloc(6 * (size_t)b.stride, sizeof *after);
     spoil(f, &b);
     if (by_chance(f, 0.1)) fuzz_fail_allocation(1 + pick(f, 80));
-    finder s = {0};
-    if (start(&s, b.m, cover) && look(&s, f, &b, cover, step))
+    finder s;
+    if (finder_start(&s, b.m, cover) && look(&s, f, &b, cover, step))
         for (int i = 0, steps = 1 + pick(f, 3); i < steps; ++i)
             if (!step_on(&s, f, &b, cover, laws, step, memory, &kept, after)) break;
-    end(&s);
+    finder_end(&s);
     fuzz_fail_allocation(0);
     free(after);
     free(memory);
