@@ -56,18 +56,22 @@ STRIP_TIMES = (0.25, 0.7, 1.1, 1.4)  # of the pictures [s]
 NUDGE = 1e-3  # relative, of speed, angle and place of the ball in perturbed runs
 
 
-def material(label, young, poisson, density):
-    a = ASSUMED
-    return ancf.HollarsMat(
-        label=label,
-        young=young,
-        poisson=poisson,
-        density=density,
-        impactDamping=a["alpha"],
-        staticFriction=a["staticFriction"],
-        kineticFriction=a["kineticFriction"],
-        transitionVelocity=a["transitionVelocity"],
+def material(label, young=YOUNG, poisson=POISSON, density=ASSUMED["density"], **others):
+    """That of the cables, but for what is given."""
+    contact = dict(
+        impactDamping=ASSUMED["alpha"],
+        staticFriction=ASSUMED["staticFriction"],
+        kineticFriction=ASSUMED["kineticFriction"],
+        transitionVelocity=ASSUMED["transitionVelocity"],
     )
+    contact.update(others)
+    return ancf.HollarsMat(label=label, young=young, poisson=poisson, density=density, **contact)
+
+
+def appendMaterials(target="ball"):
+    """Those of the cables and of the target."""
+    O.materials.append(material("cable"))
+    O.materials.append(material(target, ASSUMED["ballYoung"], ASSUMED["ballPoisson"], 2700))
 
 
 def build(nudge):
@@ -77,8 +81,7 @@ def build(nudge):
     """
     a = ASSUMED
     O.reset()
-    O.materials.append(material("cable", YOUNG, POISSON, a["density"]))
-    O.materials.append(material("ball", a["ballYoung"], a["ballPoisson"], 2700))
+    appendMaterials()
     center = (TARGET_DISTANCE, nudge[2] * BALL_RADIUS, nudge[3] * BALL_RADIUS)
     ball = O.bodies.append(utils.sphere(center, BALL_RADIUS, material="ball", fixed=True))
     net = ancf.Net.square(

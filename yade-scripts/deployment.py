@@ -31,8 +31,7 @@ def scene(mass, speed, angle, target):
     """The net and its bullets, and a fixed ball if there is a target."""
     a = given.ASSUMED
     O.reset()
-    O.materials.append(given.material("cable", given.YOUNG, given.POISSON, a["density"]))
-    O.materials.append(given.material("ball", a["ballYoung"], a["ballPoisson"], 2700))
+    given.appendMaterials()
     if target:
         center = Vector3(given.TARGET_DISTANCE, 1e-6, 2e-6)  # symmetry would be an accident
         O.bodies.append(utils.sphere(center, given.BALL_RADIUS, material="ball", fixed=True))

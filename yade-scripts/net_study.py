@@ -63,8 +63,7 @@ def build(target, model, nudge=0, integrator="leapfrog", gap=None):
     a, rng = given.ASSUMED, np.random.default_rng(nudge)
     small = NUDGE if nudge else 0.0
     O.reset()
-    O.materials.append(given.material("cable", given.YOUNG, given.POISSON, a["density"]))
-    O.materials.append(given.material("target", a["ballYoung"], a["ballPoisson"], 2700))
+    given.appendMaterials("target")
     size = given.BALL_RADIUS if target == "ball" else 0.5 * CUBE_EDGE
     y, z = small * size * rng.normal(size=2)
     center = Vector3(given.TARGET_DISTANCE if gap is None else gap, y, z)

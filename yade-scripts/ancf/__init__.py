@@ -11,6 +11,7 @@ globals().update(_load.classes)
 
 from ._built import VERSION as __version__  # noqa: E402
 from .cables import Cable  # noqa: E402
+from .materials import ropeMaterial  # noqa: E402
 from .nets import Net  # noqa: E402
 from .record import structures  # noqa: E402
 from .running import progress  # noqa: E402
@@ -24,6 +25,7 @@ __all__ = [
     "engines",
     "plan",
     "progress",
+    "ropeMaterial",
     "structures",
     "timeStep",
 ]

@@ -4,6 +4,7 @@ import numpy as np
 from yade import O, Vector3, utils
 
 from . import values
+from .arguments import documented
 from .cables import divisions
 from .laying import unit
 from .stretch import ratios
@@ -12,19 +13,16 @@ from .structure import Run, Structure, _inContainer, anyMaterial, layStraight, s
 BULLET = "carrying a bullet"
 
 
+@documented
 class Net(Structure):
     """A net of knots and edges; every edge starts straight, and without strain unless length, slack
-    or tension is given.
+    or tension is given: a number, or one for each of `edges`. Edges have slopes of their own at the
+    knots, which pass on forces, not moments.
 
     points           (K, 3) [m], the knots
     edges            pairs of knot numbers
     rim              knot numbers around the mouth, in order; needed by mouthArea
-    length, slack, tension
-                     as for Cable, of each edge: a number, or one for each of `edges`
-    Other arguments as for Cable. Edges have slopes of their own at the knots, which pass on forces,
-    not moments.
-
-    Raises ValueError, TypeError or IndexError that names the attribute.
+    {arguments}
     """
 
     def __init__(

@@ -1,9 +1,11 @@
-"""docs/errors.rst quotes messages that the sources still have."""
+"""Pages of docs that speak of the sources: errors.rst quotes messages that they still have, gallery.rst shows every script."""
 
 import ast
+import inspect
 import pathlib
 import re
 
+import ancf
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -74,3 +76,30 @@ def test_a_message_that_nobody_sends_is_found_out():
     assert len(quoted()) > 40
     assert not said("the energy is out of balance: ... apples", TEXTS)
     assert not said("no such message", TEXTS)
+
+
+def test_gallery_shows_every_script():
+    """Under the name of each script stand its command and a picture that is there, and no others."""
+    page = (ROOT / "docs" / "gallery.rst").read_text()
+    parts = re.split(r"^(\w+\.py)\n-+$", page, flags=re.M)[1:]
+    shown = dict(zip(parts[::2], parts[1::2]))
+    assert sorted(shown) == sorted(path.name for path in (ROOT / "yade-scripts").glob("*.py"))
+    for script, text in shown.items():
+        assert f"python3 yade-scripts/{script}" in text
+        pictures = re.findall(r"\.\. image:: (\S+)", text)
+        assert pictures and all((ROOT / "docs" / picture).is_file() for picture in pictures)
+
+
+@pytest.mark.parametrize(
+    "page", sorted((ROOT / "docs" / "developers").glob("*.rst")), ids=lambda p: p.stem
+)
+def test_developers_pages_name_files_that_are_there(page):
+    named = re.findall(r"`((?:plugin|tests|docs|yade-scripts|\.ci)/[^`\s]*)`", page.read_text())
+    assert [path for path in named if not (ROOT / path).exists()] == []
+
+
+@pytest.mark.parametrize("cls", [ancf.Cable, ancf.Net])
+def test_docstrings_name_all_arguments_and_no_others(cls):
+    told = re.findall(r"^    (\w[\w, ]*?) {2,}\S", cls.__doc__, re.M)
+    told = [name for names in told for name in names.split(", ")]
+    assert sorted(told) == sorted(set(inspect.signature(cls).parameters))
