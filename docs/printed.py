@@ -1,7 +1,8 @@
 """Runs what the pages of docs print, as it is printed: `printed.py FOLDER` leaves the scripts in FOLDER.
 
 Of each page the pieces of Python are, in a row, one script. Those with a file's name as caption are that file instead, in
-out/first, and the shell commands of the page are run in a row, from the folder of the repository.
+out/first, and the shell commands of the page are run there in a row; from the folder of the repository on the page that makes
+out/first.
 """
 
 import pathlib
@@ -35,7 +36,7 @@ def commands(page, folder):
             (FIRST / name).write_text(text)
         script = folder / f"{page.stem}.sh"
         script.write_text("".join(text for language, _, text in found if language == "sh"))
-        return ["bash", "-e", str(script)], DOCS.parent
+        return ["bash", "-e", str(script)], DOCS.parent if "cd out/first" in script.read_text() else FIRST
     if inRow:
         script = folder / f"{page.stem}.py"
         script.write_text("".join(inRow))

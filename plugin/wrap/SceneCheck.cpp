@@ -292,6 +292,7 @@ void SceneCheck::functors() const {
     std::map<std::tuple<string, string, mask_t, bool>, Kind> kindOf;
     for (const auto& body : *scene.bodies) {
         if (!body->shape || body->isClump()) continue;
+        if (body->shape->getClassName() == "Subdomain") continue; // a box of yade.mpy, which nothing touches
         const bool moves = CableElement::of(*body) || body->isDynamic();
         const string material = body->material ? body->material->getClassName() : "";
         ++kindOf.insert({{body->shape->getClassName(), material, body->groupMask, moves}, {body.get(), 0}})
