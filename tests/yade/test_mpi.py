@@ -1,6 +1,5 @@
 """Scenes spread over processes by yade.mpy end as in one process; what cannot be spread is refused."""
 
-import importlib.util
 import json
 import os
 import pathlib
@@ -36,7 +35,6 @@ def numbers(found):
     return flat + [x for body in found["bodies"] for x in body]
 
 
-@pytest.mark.skipif(not importlib.util.find_spec("mpi4py"), reason="yade.mpy needs python3-mpi4py")
 def test_spread_scene_ends_as_in_one_process(tmp_path):
     """Grains on two processes, the rope on one of them: the same to rounding."""
     one, spread = run(tmp_path, 1, 400), run(tmp_path, 3, 400)
