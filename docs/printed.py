@@ -5,6 +5,7 @@ out/first, and the shell commands of the page are run there in a row; from the f
 out/first.
 """
 
+import os
 import pathlib
 import re
 import subprocess
@@ -14,6 +15,10 @@ import textwrap
 DOCS = pathlib.Path(__file__).resolve().parent
 FIRST = DOCS.parent / "out" / "first"
 BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n((?: +.*\n|\s*\n)+)", re.M)
+MPI = {  # more processes than cores, which wait for each other without load
+    "OMPI_MCA_mpi_yield_when_idle": "1",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+}
 CAPTION = re.compile(r" +:caption: (\S+)\n")
 
 
@@ -59,7 +64,7 @@ def main():
             name = str(page.relative_to(DOCS))
             print("==", name, flush=True)
             command, where = todo
-            if subprocess.run(command, cwd=where).returncode:
+            if subprocess.run(command, cwd=where, env=os.environ | MPI).returncode:
                 failed.append(name)
     if failed:
         sys.exit("failed: " + ", ".join(failed))

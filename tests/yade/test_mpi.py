@@ -21,6 +21,7 @@ def run(folder, processes, steps):
     result = folder / f"{processes}.json"
     command = ["yade", "-n", "-x", str(HERE / "spread.py"), str(processes), str(steps), str(result)]
     polite = {"OMPI_MCA_mpi_yield_when_idle": "1", "OMP_NUM_THREADS": "1"}
+    polite["PRTE_MCA_rmaps_default_mapping_policy"] = ":oversubscribe"  # more processes than cores
     root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     package = {"PYTHONPATH": str(pathlib.Path(ancf._load.__file__).parents[1])}
     environment = {**os.environ, **polite, **root, **package}

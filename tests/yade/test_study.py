@@ -244,7 +244,7 @@ def test_laws_drawn_are_the_laws(scene):
     """Figs. 7 and 8: what acts on bodies in YADE, against Table 1 and Eq. 11 written down here."""
     import contact_laws as laws
 
-    hertz, e = laws.YOUNG / (1 - laws.POISSON**2) / 2, {}
+    hertz, e = laws.given.YOUNG / (1 - laws.given.POISSON**2) / 2, {}
     k = 4 / 3 * math.sqrt(laws.RADIUS) * hertz
     depth, force, e["hertz"] = laws.impact("hertz", 3e-4)
     # Forces are whole multiples of what moves the ball by 2^-53 of its size, so that sums are exact.
