@@ -58,14 +58,6 @@ static double total(const double* values, int n) {
     return sum;
 }
 
-void ancf_line_cut(ancf_line* line, double length) {
-    const double ratio = total(line->way, line->spans) / length;
-    for (int i = 0; i < line->spans; ++i) {
-        line->length[i] = line->way[i] / ratio;
-        line->tension[i] = fmax(0.0, line->ea * (ratio - 1.0));
-    }
-}
-
 double ancf_line_length(const ancf_line* line) { return total(line->length, line->spans); }
 
 double ancf_line_energy(const ancf_line* line) {

@@ -165,11 +165,26 @@ void CableEngine::gatherOnElements() {
     }
 }
 
+void CableEngine::pull(const Engine* by, long iter, vector<std::pair<int, Vector3r>>&& forces) {
+    const auto old = [&](const Pulls& one) { return one.by == by || one.iter != iter; };
+    pulls.erase(std::remove_if(pulls.begin(), pulls.end(), old), pulls.end());
+    pulls.push_back({by, iter, std::move(forces)});
+}
+
+// False if there are none.
+bool CableEngine::gatherPulls() {
+    const auto old = [&](const Pulls& one) { return one.iter != scene->iter; };
+    pulls.erase(std::remove_if(pulls.begin(), pulls.end(), old), pulls.end());
+    for (const Pulls& one : pulls)
+        for (const auto& [node, force] : one.forces) addNode(model->external, model->stride, node, force);
+    return !pulls.empty();
+}
+
 // Loads on nodes, and what acts on carried bodies by others' engines and laws.
 void CableEngine::gatherForces() {
     const bool forces = anyForces(*scene);
     if (loaded) std::fill_n(model->external, position.size(), 0);
-    loaded = !loadNodes.empty() || forces;
+    loaded = gatherPulls() || !loadNodes.empty() || forces;
     model->unloaded = !loaded;
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
     if (!forces) {

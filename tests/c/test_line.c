@@ -58,12 +58,14 @@ static double energy(const scene* s) {
     return sum;
 }
 
+// At one tension; below 0: slack.
 static void lay(scene* s, int spans, double ea, double radius, double tension) {
     assert_int_equal(ancf_line_create(&s->line, spans, ea, radius), ANCF_OK);
     ancf_line_lay(s->line, (const double(*)[3])s->x);
-    double way = 0.0;
-    for (int i = 0; i < spans; ++i) way += s->line->way[i];
-    ancf_line_cut(s->line, way / (1.0 + tension / ea));
+    for (int i = 0; i < spans; ++i) {
+        s->line->length[i] = s->line->way[i] / (1.0 + tension / ea);
+        s->line->tension[i] = fmax(0.0, tension);
+    }
 }
 
 static void bad_lines_are_refused(void** state) {

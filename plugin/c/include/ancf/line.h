@@ -54,9 +54,6 @@ void ancf_line_destroy(ancf_line* line);
 // Ways, and directions, with places at x (spans + 1).
 void ancf_line_lay(ancf_line* line, const double (*x)[3]);
 
-// Gives every span the part of an unstressed length that has all of them at one tension, after ancf_line_lay.
-void ancf_line_cut(ancf_line* line, double length);
-
 // The end of a step of length dt: places are at x. Material flows, and tensions are those of now.
 void ancf_line_step(ancf_line* line, const double (*x)[3], double dt);
 
