@@ -219,7 +219,8 @@ void CableEngine::noteWorked() {
                 {carryNodes[i], static_cast<int>(i), nodeOf(m->v, m->stride, carryNodes[i]), Vector3r::Zero()});
     for (const Pulls& one : pulls)
         for (const auto& [node, force] : one.forces)
-            if (force != Vector3r::Zero()) worked.push_back({node, PULLED, nodeOf(m->v, m->stride, node), force});
+            if (const Vector3r now = pullOn(node, force); now != Vector3r::Zero())
+                worked.push_back({node, PULLED, nodeOf(m->v, m->stride, node), now});
     if (!worked.empty() && integrator != "leapfrog") balanceGoesOn = false; // their work is not known
 }
 

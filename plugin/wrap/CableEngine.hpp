@@ -89,6 +89,7 @@ class CableEngine : public GlobalEngine {
         vector<std::pair<int, Vector3r>> forces; // [N]
     };
     vector<Pulls> pulls;
+    int pullKick = 1; // how many times their force those on free nodes have in this sub-step
     bool balanced = false, balanceGoesOn = false; // sums are those of this model; and what they began with
     bool pairsChecked = false, partnersChecked = false;
     struct Looked {
@@ -175,6 +176,8 @@ class CableEngine : public GlobalEngine {
     void holdNodes();
     void gatherForces();
     bool gatherPulls();
+    void kickPulls(int k, int inside);
+    Vector3r pullOn(int node, const Vector3r& force) const;
     void gatherOnElements();
     void scatter();
     void startAfresh();

@@ -19,7 +19,7 @@ YADE_PLUGIN((LineEngine))
 namespace {
     constexpr long lookInterval = 100; // steps between two looks at the step
     constexpr Real safety = .9;        // of a step that would just be stable, as for cables
-    constexpr Real nearer = .25;       // part of their way to which rings may come for a step that is chosen ahead
+    constexpr Real nearer = .25;       // part of their way to which rings without a size, or without friction, may come
 } // namespace
 
 void LineEngine::refuse(const string& why) const { throw std::runtime_error(text("LineEngine '", name, "': ", why)); }
@@ -64,6 +64,8 @@ void LineEngine::checkLists() const {
     all.each("numbers", numbers, "a node or a body", [](int i) { return i >= 0; });
     all.finiteEach("offsets", offsets);
     all.finiteEach("flow", flow);
+    all.finiteEach("leftForce", leftForce);
+    all.finiteEach("leftTorque", leftTorque);
     all.notNegative("friction", friction);
     all.notNegative("tension", tension);
     all.each("length", length, "finite and above 0 [m]", [](Real l) { return finite(l) && l > 0; });
@@ -194,12 +196,18 @@ static Vector3r pullAt(const ancf_line* l, int i) {
     return sum;
 }
 
+// Forces on bodies add up exactly in whatever order; what that rounds off goes with those of the next step.
 void LineEngine::pullBodies() {
+    leftForce.resize(numbers.size(), Vector3r::Zero());
+    leftTorque.resize(numbers.size(), Vector3r::Zero());
     for (size_t i = 0; i < numbers.size(); ++i) {
         if (families[i] >= 0) continue;
         const Body& body = bodyAt(i);
         const Vector3r pull = pullAt(model.get(), static_cast<int>(i));
-        addExactly(*scene, body, movedBody(*scene, body), pull, (body.state->ori * offsets[i]).cross(pull));
+        const Left left = addExactly(*scene, body, movedBody(*scene, body), pull + leftForce[i],
+                                     (body.state->ori * offsets[i]).cross(pull) + leftTorque[i]);
+        leftForce[i] = left.force;
+        leftTorque[i] = left.torque;
     }
 }
 
@@ -272,21 +280,23 @@ void LineEngine::takeOthers(const py::object& cables) {
 Real LineEngine::criticalTimeStep(const py::object& cables) {
     ways(cables);
     takeOthers(cables);
-    const Real frequency2 = ancf_line_frequency2(model.get(), inverseMasses().data(), nearer);
+    const bool rough = std::any_of(friction.begin(), friction.end(), [](Real f) { return f > 0; });
+    const Real share = rough && ringRadius > 0 ? 0 : nearer; // stuck spans are as stiff as they are short
+    const Real frequency2 = ancf_line_frequency2(model.get(), inverseMasses().data(), share);
     others.clear();
     return safety * 2 / std::sqrt(frequency2);
 }
 
-// With the cables' own, as their frequencies add up.
+// With the cables' own, as their frequencies add up; in sub-steps they are on their own.
 void LineEngine::checkStep() {
     checkedIter = scene->iter;
     const Real dt = scene->dt;
-    const Real own = safety * 2 / std::sqrt(ancf_line_frequency2(model.get(), inverseMasses().data(), 1));
+    const Real own = 2 / std::sqrt(ancf_line_frequency2(model.get(), inverseMasses().data(), 1));
     Real limit = own;
     for (const int family : families) {
         if (family < 0) continue;
         const Real cables = CableEngine::of(*scene, family)->criticalTimeStep();
-        if (dt <= cables * (1 + 1e-7)) limit = std::min(limit, 1 / std::sqrt(1 / (own * own) + 1 / (cables * cables)));
+        if (dt <= cables * (1 + 1e-7)) limit = std::min(limit, 1 / std::hypot(1 / own, safety / cables));
     }
     if (dt <= limit * (1 + 1e-7)) return;
     const Real nearest = *std::min_element(model->way, model->way + model->spans);

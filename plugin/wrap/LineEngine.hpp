@@ -85,6 +85,8 @@ public:
         ((vector<int>, scripted, , Attr::readonly, "1 where the speed is a Python function of time."))
         ((Real, rubbed, 0, Attr::readonly, "Work of friction at the rings so far [J]."))
         ((Real, drawn, 0, Attr::readonly, "Work of the winches on the line so far, less the elastic energy of what they wound up [J]."))
+        ((vector<Vector3r>, leftForce, , Attr::hidden, "Of places on bodies, what was rounded off their forces [N]."))
+        ((vector<Vector3r>, leftTorque, , Attr::hidden, "And off their torques [N m]."))
         ((long, unsettled, 0, Attr::readonly, "Steps in which no state of all rings was found that agrees with every law.")),
         ,
         .add_property("elastic", &LineEngine::elastic, "Elastic energy [J].")

@@ -78,10 +78,8 @@ class Line:
             return None
         return next((e for e in lineEngines() if e.line == self._number), self._engine)
 
-    def append(self, cables=()):
+    def append(self):
         """Puts a LineEngine into O.engines, before the CableEngines that are there. Returns self.
-
-        cables: CableEngines of the cables and nets, where they are not in O.engines yet.
 
         The cables and nets that it runs through must have been appended. ValueError for a length that
         is shorter than its way, RuntimeError if it was appended before.
@@ -110,7 +108,8 @@ class Line:
             stop=[0.0, 0.0],
             scripted=[0, 0],
         )
-        ways = np.array(engine.ways(cables))
+        cables = {w.engine.family: w.engine for w, _ in self.places if isinstance(w, Structure)}
+        ways = np.array(engine.ways(list(cables.values())))
         strain = ways.sum() / self._unstressed(ways.sum()) - 1
         engine.length = list(ways / (1 + strain))
         engine.tension = [max(0.0, self._ea * strain)] * (n - 1)
@@ -277,8 +276,8 @@ class Line:
         return {"elastic": engine.elastic, "friction": engine.rubbed, "winches": engine.drawn}
 
     def criticalTimeStep(self):
-        """Largest stable step of the line on what it pulls at, in which rings may come to a quarter of
-        their distance [s].
+        """Largest stable step of the line on what it pulls at [s], while spans are not shorter than a
+        quarter of what they are; with friction, until rings are drawn together.
         """
         return self._needEngine("criticalTimeStep").criticalTimeStep()
 

@@ -93,7 +93,7 @@ def engines(
             _checkFolded(structure)
     for line in lines:
         if not line.appended:
-            line.append(cable)
+            line.append()
     hollars = wrapper.Law2_ScGeom_HollarsPhys_Hollars(**law)
     speed = fastest() if speed is None else speed
     O.dt = timeStep(cable, speed, hollars, [line.engine for line in lines])
