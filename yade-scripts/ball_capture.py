@@ -70,12 +70,12 @@ def material(label, young, poisson, density):
     )
 
 
-def build(nudge):
-    """The scene; nudge (4) changes speed, angle and the ball's y and z a little.
+def build(nudge, **assumed):
+    """The scene; nudge (4) changes speed, angle and the ball's y and z a little, `assumed` what is in ASSUMED.
 
     Returns the net and the ball's id.
     """
-    a = ASSUMED
+    a = {**ASSUMED, **assumed}
     O.reset()
     O.materials.append(material("cable", YOUNG, POISSON, a["density"]))
     O.materials.append(material("ball", a["ballYoung"], a["ballPoisson"], 2700))
@@ -108,10 +108,10 @@ def build(nudge):
 class Run:
     """One run and what is measured in it."""
 
-    def __init__(self, nudge, pictures, duration, title):
+    def __init__(self, nudge, pictures, duration, title, **assumed):
         from ancf.plots import Film, History
 
-        self.net, self.ball = build(nudge)
+        self.net, self.ball = build(nudge, **assumed)
         self.history = History(self.net)
         self.capture = Capture(self.net, self.ball)
         self.film = Film([self.net], [self.ball]) if pictures else None

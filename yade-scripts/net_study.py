@@ -30,7 +30,7 @@ BEFORE, COMPARED = (
     0.6,
     1.4,
 )  # models are compared up to these times: before contact, and the study's [s]
-RUNS = 8  # perturbed runs a case, besides the unperturbed one
+RUNS = 4  # perturbed runs a case, besides the unperturbed one
 NUDGE = 1e-6  # relative, of the bullets' velocities; of the target's place in its size
 RESERVE = 0.8  # of the stable step
 PICTURES = given.STRIP_TIMES  # [s]

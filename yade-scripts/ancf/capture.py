@@ -18,6 +18,7 @@ DIRECTIONS = 400  # in which enclosedShare looks; its error is about 1 %
 EVERY = 20  # samples between two looks at what costs most
 CLOSED = 0.25  # mouth of a net that embraces, of its largest
 HOLD = 0.3  # that it must last [s]
+ROUNDING = 1e-9  # of times
 NOTHING = 1e-9  # momentum of a net that has met nothing, of what its bullets were shot with
 
 
@@ -118,7 +119,7 @@ def enclosedShare(net, target, directions=DIRECTIONS):
     target       id of the body
     directions   how many are looked at; the error is about 1/directions^(3/4)
     """
-    findBody("enclosedShare: target", target)
+    findBody("enclosedShare", target, "target")
     count = values.count("enclosedShare: directions", directions, 1)
     center = np.array(list(O.bodies[target].state.pos))
     return float(Skin(net).blocked(net._state()[0], center, everywhere(count)).mean())
@@ -176,7 +177,7 @@ def targetSize(target):
     Clumps count by the hull of their members. Spheres are exact, but in a clump they count with 32 faces around
     them, 1 % too small.
     """
-    body = findBody("targetSize: target", target)
+    body = findBody("targetSize", target, "target")
     if isinstance(body.shape, wrapper.Sphere):
         r = body.shape.radius
         return 4 / 3 * np.pi * r**3, 4 * np.pi * r**2, 2 * r
@@ -222,7 +223,7 @@ def pressing(net, target):
     """How many elements and bullets of a net pressed on a body in the last step; the net's contacts with itself
     are not among them.
     """
-    body = findBody("pressing: target", target)
+    body = findBody("pressing", target, "target")
     members = body.shape.members.keys() if isinstance(body.shape, wrapper.Clump) else [target]
     ours = {*net.bodies, *net.bullets}
     return sum(
@@ -244,7 +245,7 @@ class Momentum:
     """
 
     def __init__(self, net, target):
-        engine, body = net.engine, findBody("Momentum: target", target)
+        engine, body = net.engine, findBody("Momentum", target, "target")
         self.engine, self.body = engine, body
         self.free = body.dynamic and body.state.blockedDOFs == ""
         self.mass = body.state.mass
@@ -309,7 +310,11 @@ class Capture:
     ):
         if not net.appended:
             raise RuntimeError(f"Capture: append {net.name} first")
-        findBody("Capture: target", target)
+        findBody("Capture", target, "target")
+        net.mouthArea()  # refuses a net without a rim
+        if not (net.bullets or net.corners):
+            remedy = "name the knots that are to get beyond the target, or use addBullets"
+            values.refuse(f"{net.name}.corners", net.corners, remedy)
         self.net, self.target = net, target
         self.closed = values.positive("Capture: closed", closed, "-", 1)
         self.hold = values.notNegative("Capture: hold", hold, "s")
@@ -405,7 +410,7 @@ class Capture:
             (a, b - 1): self.time[b - 1] - self.time[a] for a, b in zip(edges[::2], edges[1::2])
         }
         longest = max(lasting, key=lasting.get, default=None)
-        return None if longest is None or lasting[longest] < self.hold else longest
+        return None if longest is None or lasting[longest] < (1 - ROUNDING) * self.hold else longest
 
     @property
     def embraced(self):
