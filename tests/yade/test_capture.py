@@ -141,9 +141,6 @@ def test_stowed_net_opens_meets_embraces_and_recoils(scene, number):
     assert run.embraced and stages.embraced[0] < 1.1 < stages.embraced[1]
     assert row["mouth_tightest"] < 0.1 and row["enclosed_most"] > 0.9
     assert stages.recoil < 1.5 and stages.lock is None  # nothing holds it together
-    assert row["momentum_end_Ns"] > sum(
-        0.05 * v[0] for v in run.history.velocity[0]
-    )  # they come back
 
 
 # ---- no bit is changed ---------------------------------------------------------------------------

@@ -15,9 +15,11 @@ from ancf.capture import (
     qualityIndex,
     targetSize,
 )
-from helpers import O, Vector3, ancf, array, ball, material, squareNet, steps
+from helpers import O, Vector3, ancf, array, ball, material, plane, squareNet, steps
 from yade import Quaternion, utils
 
+CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+SIDES = [(a, b) for a in range(8) for b in range(a) if bin(a ^ b).count("1") == 1]
 FINE = 4000  # directions; error of the lattice is about FINE^(-3/4) = 0.2 %
 
 
@@ -42,6 +44,7 @@ def test_meshes_of_other_nets():
     hexagon = [(k, (k + 1) % 6) for k in range(6)]
     assert [len(m) for m in meshes(hexagon)] == [6]
     assert meshes([(0, 1), (1, 2)]) == []  # a string has none
+    assert len(meshes(SIDES)) == 6  # a cube's
 
 
 # ---- enclosure -----------------------------------------------------------------------------------
@@ -121,9 +124,6 @@ def test_nodes_inside_edges_count(scene):
 
 # ---- hulls and the quality index -----------------------------------------------------------------
 
-CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
-SIDES = [(a, b) for a in range(8) for b in range(a) if bin(a ^ b).count("1") == 1]
-
 
 def test_hulls():
     made = hull(CUBE + [(0.1, 0.1, 0.1)] * 20)  # what is inside does not count
@@ -133,6 +133,8 @@ def test_hulls():
     made = hull(corners)
     assert made.volume == pytest.approx(1)
     assert made.center == pytest.approx(corners.mean(axis=0))
+    pyramid = hull([(1, 1, 0), (1, -1, 0), (-1, 1, 0), (-1, -1, 0), (0, 0, 4)])
+    assert pyramid.center == pytest.approx((0, 0, 1)) and pyramid.volume == pytest.approx(16 / 3)
     turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     triangle = np.array([(0, 0, 0), (3, 0, 0), (0, 2, 0), (0.1, 0.1, 0)]) @ turn.T + (5, 6, 7)
     flat = hull(triangle)
@@ -196,6 +198,17 @@ def test_momentum_is_the_sum_of_forces_on_the_target(scene, free, gravity):
         seen += presses > 0
         assert np.abs(array(given.given()) - pushed).max() < 1e-9
     assert seen > 50 and np.linalg.norm(pushed) > 0.01
+
+
+def test_only_the_net_presses(scene):
+    """A ball that lies on a floor is pressed by it all the time."""
+    net, target = meeting(free=True)
+    center, radius = O.bodies[target].state.pos, O.bodies[target].shape.radius
+    low = center[2] - radius - 0.001 + 1e-6
+    plane((0.03, 0.01, low), (0.015, 0.015, 0.001), material="cable")
+    O.engines = ancf.engines(net, gravity=(0, 0, -9.81))
+    steps(100)
+    assert O.forces.f(target).norm() > 1 and pressing(net, target) == 0
 
 
 def test_momentum_of_what_is_held_is_not_known(scene):
@@ -274,6 +287,12 @@ def test_stages_that_it_does_not_come_to(scene):
     assert story(MOUTH, BEYOND, hold=0.35).embraced is None  # it lasts for 0.3
     assert story(MOUTH, BEYOND, hold=0.25).embraced == (0.4, 0.7)
     assert story(MOUTH, BEYOND, closed=0.15, hold=0.1).embraced == (0.5, 0.6)
+
+
+def test_mouth_counts_as_part_of_its_largest_so_far(scene):
+    mouth, beyond = [0.1, 1, 0.3, 0.3, 0.3, 0.3, 2.0], [0] * 2 + [1] * 5
+    assert story(mouth, beyond).embraced is None
+    assert story([0.1, 1, 0.2, 0.2, 0.2, 0.2, 2.0], beyond).embraced == (0.2, 0.5)
 
 
 def test_largest_mouth_after_contact_is_not_when_it_opened(scene):
