@@ -238,7 +238,12 @@ void CableEngine::bookWorked(const ancf_time& time) {
     for (const Worked& one : worked) {
         const Vector3r after = nodeOf(m->v, m->stride, one.node);
         balance[OUTER] += forceOf(one).dot(time.last * one.before + time.step * after) / 2;
-        if (one.by != LED || !touching.displacement()) continue;
+        const Real* shift = touching.displacement();
+        if (!shift) continue;
+        if (one.by != LED) {
+            balance[OUTER] += forceOf(one).dot(nodeOf(shift, m->stride, one.node));
+            continue;
+        }
         Vector3r impulse; // of contacts, that what leads the node takes
         touching.impulseOn(impulse, one.node);
         balance[OUTER] -= impulse.dot(one.before + after) / 2;
