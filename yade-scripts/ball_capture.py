@@ -1,11 +1,13 @@
-"""A net, shot at a fixed ball by four bullets, wraps it: Table 2 of Shan, Guo and Gill 2019.
+"""A stowed net, shot by four bullets, opens, meets a fixed ball and embraces it: Table 2 of Shan, Guo and
+Gill 2019.
 
-Run it by `/usr/bin/python3 ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options.
+Nothing draws its mouth shut, so its own recoil opens it again. Run it by `/usr/bin/python3 ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options.
 Results go to out/. Source: Shan, Guo, Gill, Advances in Space Research (2019), doi
 10.1016/j.asr.2019.10.041.
 """
 
 import argparse
+import csv
 import pathlib
 import sys
 import time
@@ -13,6 +15,7 @@ import time
 import numpy as np
 
 import ancf
+from ancf.capture import HOLD, Capture
 from yade import O, utils
 
 # ---- parameters, SI units ----------------------------------------------------------------------
@@ -33,11 +36,7 @@ DURATION = 1.5  # [s]
 ASSUMED = dict(
     diameter=1e-3,  # of the cables [m]
     density=1440.0,  # of the cables [kg/m3]
-    # Size of the folded net as part of the open one. Of folds from 0.05 to 0.9, the one that still
-    # holds the ball at 1.5 s: the net opens early, closes before the ball and wraps it from the
-    # front. Nets folded smaller open at 0.5 s, wrap at 0.9 to 1.3 s, and their elastic recoil takes
-    # the bullets back before the end.
-    fold=0.65,
+    fold=0.1,  # size of the stowed net as part of the open one
     bulletRadius=0.01,  # [m]
     ballYoung=70e9,  # [Pa]
     ballPoisson=0.33,
@@ -52,7 +51,8 @@ MASS = "lumped"
 SELF_CONTACT = True  # cables of the net do not pass through each other
 
 SAMPLE = 5e-3  # time between two samples [s]
-STRIP_TIMES = (0.25, 0.7, 1.1, 1.4)  # of the pictures [s]
+STRIP_TIMES = (0.25, 0.5, 0.7, 1.1, 1.4)  # of the pictures: the study's, and the open net [s]
+FILM_EVERY = 2  # samples between two pictures of the film
 NUDGE = 1e-3  # relative, of speed, angle and place of the ball in perturbed runs
 
 
@@ -74,12 +74,12 @@ def appendMaterials(target="ball"):
     O.materials.append(material(target, ASSUMED["ballYoung"], ASSUMED["ballPoisson"], 2700))
 
 
-def build(nudge):
-    """The scene; nudge (4) changes speed, angle and the ball's y and z a little.
+def build(nudge, **assumed):
+    """The scene; nudge (4) changes speed, angle and the ball's y and z a little, `assumed` what is in ASSUMED.
 
     Returns the net and the ball's id.
     """
-    a = ASSUMED
+    a = {**ASSUMED, **assumed}
     O.reset()
     appendMaterials()
     center = (TARGET_DISTANCE, nudge[2] * BALL_RADIUS, nudge[3] * BALL_RADIUS)
@@ -108,24 +108,25 @@ def build(nudge):
     return net, ball
 
 
-class Capture:
+class Run:
     """One run and what is measured in it."""
 
-    def __init__(self, nudge, pictures, duration, title):
+    def __init__(self, nudge, pictures, duration, title, **assumed):
         from ancf.plots import Film, History
 
-        self.net, self.ball = build(nudge)
+        self.net, self.ball = build(nudge, **assumed)
         self.history = History(self.net)
+        self.capture = Capture(self.net, self.ball)
         self.film = Film([self.net], [self.ball]) if pictures else None
-        self.contacts, self.energy = [], []
+        self.energy = []
         self.duration, self.title = duration, title
         O.trackEnergy = True
 
     def sample(self):
         self.history.sample()
-        self.contacts.append(self.net.engine.contacts)
+        self.capture.sample()
         self.energy.append(O.energy.total())
-        if self.film and len(self.contacts) % 2:
+        if self.film and len(self.energy) % FILM_EVERY:
             self.film.take()
 
     def run(self):
@@ -141,71 +142,82 @@ class Capture:
     # ---- what came out
 
     @property
-    def deployed(self):
-        """Time of the largest mouth area before the first contact [s]."""
-        touching = np.flatnonzero(self.contacts)
-        free = self.history.area[: touching[0]] if len(touching) else self.history.area
-        return self.history.time[int(np.argmax(free))]
-
-    @property
-    def firstContact(self):
-        """Time of the first contact, within a sample [s]; None: there was none."""
-        touching = np.flatnonzero(self.contacts)
-        return self.history.time[touching[0]] if len(touching) else None
-
-    @property
-    def mouth(self):
-        """Mouth area at the end as part of the largest."""
-        return self.history.area[-1] / max(self.history.area)
-
-    @property
     def penetration(self):
         """Deepest penetration of a contact point [m]."""
         return self.net.engine.maxPenetration
 
     @property
-    def behind(self):
-        """Bullets beyond the ball's centre at the end."""
-        center = O.bodies[self.ball].state.pos[0]
-        return sum(p[0] > center for p in self.history.position[-1])
+    def embraced(self):
+        """Four bullets beyond the ball's centre and a mouth below a quarter, for HOLD, and nothing deeper than a
+        cable is thick.
+        """
+        return self.capture.embraced is not None and self.penetration < ASSUMED["diameter"]
 
-    @property
-    def wrapped(self):
-        """All bullets beyond the centre, mouth below 25 %, penetration below one diameter."""
-        deep = self.penetration >= ASSUMED["diameter"]
-        return self.behind == 4 and self.mouth < 0.25 and not deep
+    def stages(self):
+        """(what, when) of the stages that it came to."""
+        c, row = self.capture, self.capture.row()
+        flat = (MESHES * MESH_LENGTH) ** 2
+        yield "open", f"{c.open:.3f} s, {100 * row['mouth_open_m2'] / flat:.0f} % of the flat net"
+        if c.contact is not None:
+            yield "first contact", f"{c.contact:.3f} s"
+        if c.embraced is not None:
+            since, until = c.embraced
+            yield "embraced", f"{since:.3f} to {until:.3f} s"
+            tight = 100 * row["mouth_tightest"]
+            yield "tightest", f"{c.tightest:.3f} s, mouth {tight:.0f} % of its largest"
+        if c.recoil is not None:
+            yield "recoil", f"{c.recoil:.3f} s"
 
     def report(self):
+        for what, when in self.stages():
+            print(f"{what:21}{when}")
+        row = self.capture.row()
         total = np.array(self.energy[1:])  # tracked from the first step on
         balance = np.abs(total / total[0] - 1).max()
-        first = "none" if self.firstContact is None else f"{self.firstContact:.3f} s"
         step = 1e6 * self.wall / O.iter
-        print(f"full deployment      {self.deployed:.3f} s, {max(self.history.area):.4f} m2")
-        print(f"first contact        {first}")
-        print(f"contacts             {max(self.contacts)} at most, {self.contacts[-1]} at the end")
+        print(
+            f"at the end           {4 * row['beyond_end']:.0f} of 4 bullets beyond the ball's centre, "
+            f"mouth {100 * row['mouth_end']:.0f} %"
+        )
+        print(
+            f"enclosed             {100 * row['enclosed_most']:.0f} % of the ball at most", end=""
+        )
+        print(f", {100 * row['enclosed_end']:.0f} % at the end")
+        print(f"quality index        {row['quality_best']:.2f} at best (0: as large as the ball)")
+        print(f"largest tension      {row['tension_most_N']:.1f} N")
+        print(f"given to the ball    {row['momentum_end_Ns']:.3f} N s")
         print(
             f"deepest penetration  {self.penetration:.3g} m of {ASSUMED['diameter']:g} m diameter"
         )
         print(f"energy balance       within {balance:.1e} of the energy at the start")
-        print(
-            f"bullets behind ball  {self.behind} of 4, mouth {100 * self.mouth:.0f} % of the largest"
-        )
         print(f"step                 {O.dt:.3g} s, {O.iter} steps, {step:.1f} us each")
         print(f"wall time            {self.wall:.2f} s for {O.time:.2f} s simulated")
-        print(f"wrapped              {'yes' if self.wrapped else 'NO'}", flush=True)
+        print(f"=> {self.verdict}", flush=True)
+
+    @property
+    def verdict(self):
+        """What came out, in a sentence."""
+        if not self.embraced:
+            return f"NOT embraced for {HOLD} s"
+        since, until = self.capture.embraced
+        told = f"embraced for {until - since:.2f} s"
+        if self.capture.recoil is None:
+            return f"{told}, and still at the end"
+        return f"{told}, then opened by its own recoil: nothing draws its mouth shut"
 
     def pictures(self, folder):
-        events = {"open": self.deployed}
-        if self.firstContact is not None:
-            events["contact"] = self.firstContact
+        c = self.capture
+        since = c.embraced and c.embraced[0]
+        events = {"open": c.open, "contact": c.contact, "embraced": since, "recoil": c.recoil}
+        events = {name: t for name, t in events.items() if t is not None}
         self.history.plot(folder / "bullets.png", events)
         times = [t for t in STRIP_TIMES if t <= self.duration] or [self.duration]
-        self.film.strip(folder / "strip.png", times)
-        return self.film.animate(folder / "capture.mp4", slower=1 / (25 * 2 * SAMPLE))
+        self.film.strip(folder / "strip.png", times, cell=(420, 420))
+        return self.film.animate(folder / "capture.mp4", slower=1 / (25 * FILM_EVERY * SAMPLE))
 
 
 def head():
-    print("A net catches a ball (Shan, Guo, Gill 2019, Table 2)")
+    print("A net embraces a ball (Shan, Guo, Gill 2019, Table 2)")
     print(
         f"  net {MESHES} x {MESHES} meshes of {MESH_LENGTH} m, {ELEMENTS} element(s) an edge,",
         end=" ",
@@ -220,47 +232,58 @@ def head():
 
 
 def options():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=" ".join(__doc__.split("\n\n")[0].split()))
     parser.add_argument(
-        "--runs", type=int, default=0, help="perturbed runs to check 'wrapped' with"
+        "--runs", type=int, default=0, help="perturbed runs, all to embrace the ball"
     )
     parser.add_argument("--time", type=float, default=DURATION, help="to simulate [s]")
+    parser.add_argument(
+        "--damping",
+        type=float,
+        default=ASSUMED["damping"],
+        help="Kelvin-Voigt time of the cables [s], %(default)g",
+    )
     parser.add_argument("--no-pictures", action="store_true", help="no plots, strip or animation")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out"), help="folder")
     return parser.parse_args()
 
 
-def checkRuns(runs, duration):
-    """Perturbed runs; True if at most one in eight is not wrapped."""
-    wrapped = 0
-    for k in range(runs):
-        nudge = NUDGE * np.random.default_rng(k + 1).normal(size=4)
-        capture = Capture(nudge, False, duration, f"run {k + 1} of {runs}").run()
-        wrapped += capture.wrapped
-        print(
-            f"run {k + 1}: {'wrapped' if capture.wrapped else 'NOT wrapped'}, "
-            f"bullets behind {capture.behind}, mouth {100 * capture.mouth:.0f} %, "
-            f"penetration {capture.penetration:.2g} m, open at {capture.deployed:.2f} s, "
-            f"{capture.wall:.2f} s wall",
-            flush=True,
-        )
-    print(f"{wrapped} of {runs} runs wrapped")
-    return wrapped >= runs - runs // 8
+def nudges(number):
+    """What build() takes in perturbed run 1, 2, ..."""
+    return NUDGE * np.random.default_rng(number).normal(size=4)
+
+
+def checkRuns(runs, duration, folder):
+    """Perturbed runs, a row each in captures.csv; True if all embraced the ball."""
+    rows, embraced = [], 0
+    for k in range(1, runs + 1):
+        run = Run(nudges(k), False, duration, f"run {k} of {runs}").run()
+        embraced += run.embraced
+        rows.append({"run": k, **run.capture.row()})
+        stages = ", ".join(" ".join(stage) for stage in run.stages())
+        print(f"run {k}: {run.verdict}\n  {stages}; {run.wall:.2f} s wall", flush=True)
+    with open(folder / "captures.csv", "w", newline="", encoding="utf-8") as file:
+        out = csv.DictWriter(file, rows[0])
+        out.writeheader()
+        out.writerows(rows)
+    print(f"{embraced} of {runs} runs embraced")
+    return embraced == runs
 
 
 def main():
     args = options()
+    ASSUMED["damping"] = args.damping
     head()
-    if args.runs:
-        return 0 if checkRuns(args.runs, args.time) else 1
     args.out.mkdir(parents=True, exist_ok=True)
-    capture = Capture(np.zeros(4), not args.no_pictures, args.time, "capture").run()
-    capture.report()
-    capture.history.save(args.out / "bullets.csv")
+    if args.runs:
+        return 0 if checkRuns(args.runs, args.time, args.out) else 1
+    run = Run(np.zeros(4), not args.no_pictures, args.time, "capture").run()
+    run.report()
+    run.history.save(args.out / "bullets.csv")
     if not args.no_pictures:
-        film = capture.pictures(args.out)
+        film = run.pictures(args.out)
         print(f"pictures             {args.out}/bullets.png, {args.out}/strip.png, {film}")
-    return 0 if capture.wrapped or args.time < DURATION else 1
+    return 0 if run.embraced or args.time < DURATION else 1
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ globals().update(_load.classes)
 
 from ._built import VERSION as __version__  # noqa: E402
 from .cables import Cable  # noqa: E402
+from .lines import Line, lines  # noqa: E402
 from .materials import ropeMaterial  # noqa: E402
 from .nets import Net  # noqa: E402
 from .record import structures  # noqa: E402
@@ -20,9 +21,11 @@ from .scene import check, engines, plan, timeStep  # noqa: E402
 __all__ = [
     *_load.classes,
     "Cable",
+    "Line",
     "Net",
     "check",
     "engines",
+    "lines",
     "plan",
     "progress",
     "ropeMaterial",

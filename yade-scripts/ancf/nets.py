@@ -151,8 +151,7 @@ class Net(Structure):
             raise ValueError(
                 f"{self.name}.rim = {self.rim}: name the knots around the mouth, in order"
             )
-        p = self.knots[rim]
-        area = 0.5 * np.cross(p, np.roll(p, -1, axis=0)).sum(axis=0)
+        area = areaVector(self.knots[rim])
         if axis is None:
             return float(np.linalg.norm(area))
         return float(abs(area @ values.direction(f"{self.name}.mouthArea: axis", axis)))
@@ -232,6 +231,12 @@ class Net(Structure):
             return self._normal
         p = self.knots[self.corners]
         return unit(np.cross(p[1] - p[0], p[2] - p[1]))
+
+
+def areaVector(p):
+    """Area vector of a closed polygon with corners p (n, 3), sum of p_i x p_(i+1) / 2 (3) [m2]."""
+    products = p.T @ np.concatenate([p[1:], p[:1]])
+    return 0.5 * (products - products.T)[[1, 2, 0], [2, 0, 1]]
 
 
 def _checkedEdges(name, edges, p):
