@@ -19,7 +19,7 @@ EVERY = 20  # samples between two looks at what costs most
 CLOSED = 0.25  # mouth of a net that embraces, of its largest
 HOLD = 0.3  # that it must last [s]
 ROUNDING = 1e-9  # of times
-NOTHING = 1e-9  # momentum of a net that has met nothing, of what its bullets were shot with
+NOTHING = 1e-9  # change of a target's speed, or of a net's where that is held, that is no contact yet [m/s]
 
 
 # ---- the net's surface ---------------------------------------------------------------------------
@@ -324,16 +324,10 @@ class Capture:
         self._size, self._skin = targetSize(target), Skin(net)
         self._rim, self._normal = np.array(net.rim), Vector3(*net.normal)
         self._directions = everywhere(values.count("Capture: directions", directions, 1))
-        shot = [O.bodies[i].state for i in net.bullets]
-        self._least = NOTHING * sum(s.mass * s.vel.norm() for s in shot)
         self.time, self.mouth, self.beyond, self.contacts = [], [], [], []
         self.momentum, self.tension = [], []
-        self.looked, self.enclosed, self.hull, self.quality = (
-            [],
-            [],
-            [],
-            [],
-        )  # numbers of samples; values there
+        self.looked = []  # numbers of the samples in which these were looked at
+        self.enclosed, self.hull, self.quality = [], [], []
         self.more = {name: [] for name in self.also}
 
     def sample(self):
@@ -381,7 +375,7 @@ class Capture:
     def _met(self):
         """Number of the first sample with the target touched, or None."""
         met = np.array(self.contacts) > 0
-        met |= np.array(self.momentum) > self._least  # never where that is nan
+        met |= np.array(self.momentum) > NOTHING * self._momentum.mass  # never where it is nan
         return int(np.argmax(met)) if met.any() else None
 
     @property
@@ -441,10 +435,12 @@ class Capture:
 
     def row(self):
         """Stages and measures, one row of a table: {name with unit: value}, times None as above."""
+        if not self.time:
+            raise RuntimeError("Capture.row: there are no samples yet; sample() first")
         self.look()
         since, until = self.embraced or (None, None)
         share = self.share
-        return {
+        own = {
             "open_s": self.open,
             "mouth_open_m2": self.mouth[self.time.index(self.open)],
             "contact_s": self.contact,
@@ -466,5 +462,7 @@ class Capture:
             "tension_most_N": max(self.tension),
             "momentum_most_Ns": max(self.momentum),
             "momentum_end_Ns": self.momentum[-1],
-            **{name: series[-1] for name, series in self.more.items()},
         }
+        for name in own.keys() & self.also.keys():
+            values.refuse("Capture: also", name, "is a measure already: choose another name")
+        return own | {name: series[-1] for name, series in self.more.items()}
