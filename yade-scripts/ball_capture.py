@@ -1,9 +1,9 @@
 """A stowed net, shot by four bullets, opens, meets a fixed ball and embraces it: Table 2 of Shan, Guo and
 Gill 2019.
 
-Nothing draws its mouth shut, so its own recoil opens it again. Run it by `/usr/bin/python3 ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options.
-Results go to out/. Source: Shan, Guo, Gill, Advances in Space Research (2019), doi
-10.1016/j.asr.2019.10.041.
+Nothing draws its mouth shut, so its own recoil opens it again. Run it by `/usr/bin/python3
+ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options. Results go to out/.
+Source: Shan, Guo, Gill, Advances in Space Research (2019), doi 10.1016/j.asr.2019.10.041.
 """
 
 import argparse

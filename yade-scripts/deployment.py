@@ -14,7 +14,7 @@ import numpy as np
 import ancf
 import ball_capture as given
 from ancf.capture import CLOSED, HOLD, Capture
-from net_study import runAll
+from net_study import insist, runAll
 from yade import O, Vector3, utils
 
 # ---- parameters, SI units; the rest is ball_capture's --------------------------------------------
@@ -105,12 +105,7 @@ class Flight:
 
 
 def fly(job):
-    for again in range(4):
-        try:
-            return Flight(*job, smaller=0.5**again)
-        except RuntimeError as told:  # the engine refuses a step that has become too long
-            print(f"{job}: {told}; again with half the step", flush=True)
-    raise RuntimeError(f"{job}: no step is short enough")
+    return insist(Flight, job)
 
 
 def largestArea(flight):

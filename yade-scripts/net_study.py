@@ -200,13 +200,20 @@ def unknowns(net):
     return 3 * (engine.nNodes + slopes)
 
 
-def makeRun(job):
-    for again in range(3):
+def insist(make, job):
+    """make(*job, smaller=...) with half the step, and a quarter ..., if the engine refuses one that has become too
+    long.
+    """
+    for again in range(4):
         try:
-            return Run(*job, smaller=0.5**again)
-        except RuntimeError as told:  # the engine refuses a step that has become too long
-            print(f"{job[:3]}: {told}; again with half the step", flush=True)
-    raise RuntimeError(f"{job[:3]}: no step is short enough")
+            return make(*job, smaller=0.5**again)
+        except RuntimeError as told:
+            print(f"{job}: {told}; again with half the step", flush=True)
+    raise RuntimeError(f"{job}: no step is short enough")
+
+
+def makeRun(job):
+    return insist(Run, job)
 
 
 def runAll(make, jobs, workers, title):

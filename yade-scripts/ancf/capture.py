@@ -1,222 +1,37 @@
-"""Measures of a capture: how wide a net opens, when it meets a target, how far it encloses and how long it
-holds it.
+"""Stages of a capture: when a net opens, meets a target, embraces it and comes off again; and what is measured
+meanwhile.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 from yade import O, Vector3, wrapper
 
 from . import values
+from .enclosure import DIRECTIONS, Skin, enclosedShare, everywhere, meshes
+from .hulls import hull, indexOf, qualityIndex, targetSize
 from .nets import areaVector
-from .structure import findBody, matrix
-from .surfaces import solids, surfaces
+from .structure import findBody
 
-DIRECTIONS = 400  # in which enclosedShare looks; its error is about 1 %
+__all__ = [
+    "Capture",
+    "Momentum",
+    "enclosedShare",
+    "hull",
+    "meshes",
+    "pressing",
+    "qualityIndex",
+    "targetSize",
+]
+
 EVERY = 20  # samples between two looks at what costs most
 CLOSED = 0.25  # mouth of a net that embraces, of its largest
 HOLD = 0.3  # that it must last [s]
 ROUNDING = 1e-9  # of times
-NOTHING = 1e-9  # momentum of a net that has met nothing, of what its bullets were shot with
-
-
-# ---- the net's surface ---------------------------------------------------------------------------
-
-
-def meshes(edges):
-    """Meshes of a net: shortest closed ways through each of its edges, as lists of knots in order.
-
-    edges   pairs of knot numbers
-
-    In a net of squares, triangles or hexagons, and in a spider's web, these are its meshes. A hole wider than
-    the meshes around it, and the mouth, are none.
-    """
-    neighbours = {}
-    for a, b in edges:
-        neighbours.setdefault(a, []).append(b)
-        neighbours.setdefault(b, []).append(a)
-    found = {}
-    for a, b in edges:
-        for way in _shortest(neighbours, a, b):
-            found.setdefault(frozenset(way), way)
-    return list(found.values())
-
-
-def _shortest(neighbours, a, b):
-    """All shortest ways from a to b, as lists of knots, but for the edge between them."""
-    ways, seen = [[a]], {a}
-    while ways:
-        longer = [
-            [*way, k]
-            for way in ways
-            for k in neighbours[way[-1]]
-            if k not in seen and (len(way) > 1 or k != b)
-        ]
-        there = [way for way in longer if way[-1] == b]
-        if there:
-            return there
-        seen.update(way[-1] for way in longer)
-        ways = longer
-    return []
-
-
-class Skin:
-    """Triangles that fill the meshes of a net, each between two nodes and the middle of its mesh."""
-
-    def __init__(self, net):
-        layout = net._layout
-        between = {}  # nodes along an edge, from its first knot on
-        for run in layout.runs:
-            ends = layout.ends[run.first : run.first + run.count]
-            way = [*ends[:, 0], ends[-1, 1]]
-            between[run.knots] = way
-            between[run.knots[::-1]] = way[::-1]
-        rings = []
-        for mesh in meshes([run.knots for run in layout.runs]):
-            sides = zip(mesh, mesh[1:] + mesh[:1])
-            rings.append([node for side in sides for node in between[side][:-1]])
-        self.corner = np.array([k for ring in rings for k in ring], int)
-        self.after = np.array([k for ring in rings for k in ring[1:] + ring[:1]], int)
-        self.mesh = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
-        self.sizes = np.bincount(self.mesh)[:, None]
-        self.starts = np.flatnonzero(np.diff(self.mesh, prepend=-1))
-
-    def corners(self, nodes):
-        """Corners a, b, c (n, 3) of the triangles, at places of the net's nodes (m, 3)."""
-        a = nodes[self.corner]
-        middle = np.add.reduceat(a, self.starts) / self.sizes if len(a) else a
-        return a, nodes[self.after], middle[self.mesh]
-
-    def blocked(self, nodes, center, directions):
-        """Whether rays from a point (3) in directions (n, 3) meet the net, (n)."""
-        a, b, c = self.corners(nodes - center)
-        sides = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
-        volume = np.einsum("ij,ij->i", a, sides[0])
-        seen = volume != 0  # not edgewise
-        sides = sides[:, seen] * np.sign(volume[seen])[:, None]
-        # A ray is a sum of the three corners with these weights, times |volume|.
-        weights = sides.astype(np.float32) @ directions.T.astype(np.float32)
-        return (weights.min(axis=0) >= 0).any(axis=0)
-
-
-def everywhere(count):
-    """Directions (count, 3) spread evenly over the unit sphere: Fibonacci's lattice."""
-    k = np.arange(count) + 0.5
-    z, turn = 1 - 2 * k / count, np.pi * (1 + np.sqrt(5)) * k
-    r = np.sqrt(1 - z**2)
-    return np.column_stack([r * np.cos(turn), r * np.sin(turn), z])
-
-
-def enclosedShare(net, target, directions=DIRECTIONS):
-    """Share of the directions from the centre of a body in which the net is in the way [-]: of a sphere, the
-    share of its surface that the net encloses.
-
-    Meshes count as filled: with the triangles between their nodes and their middle. How many layers of the net
-    lie over one another does not count.
-
-    target       id of the body
-    directions   how many are looked at; the error is about 1/directions^(3/4)
-    """
-    findBody("enclosedShare", target, "target")
-    count = values.count("enclosedShare: directions", directions, 1)
-    center = np.array(list(O.bodies[target].state.pos))
-    return float(Skin(net).blocked(net._state()[0], center, everywhere(count)).mean())
-
-
-# ---- hulls ---------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Hull:
-    """A convex body.
-
-    volume    [m3]
-    surface   [m2]; of a flat one both sides
-    center    of its volume, a flat one's of its area (3) [m]
-    """
-
-    volume: float
-    surface: float
-    center: np.ndarray
-
-
-def hull(points):
-    """The convex Hull of points (n, 3) [m]."""
-    points = np.asarray(points, float)
-    middle = points.mean(axis=0)
-    local = points - middle
-    try:
-        made = ConvexHull(local)
-    except QhullError:  # it has no volume
-        return _flat(local, middle)
-    return Hull(float(made.volume), float(made.area), middle + _centroid(local[made.simplices]))
-
-
-def _flat(local, middle):
-    """The Hull of points (n, 3) around their middle that lie in a plane, on a line, or together."""
-    _, sizes, axes = np.linalg.svd(local, full_matrices=False)
-    if len(local) < 3 or sizes[1] < 1e-9 * sizes[0] or not sizes[0]:
-        return Hull(0.0, 0.0, middle)
-    made = ConvexHull(local @ axes[:2].T)
-    center = middle + _centroid(made.points[made.simplices]) @ axes[:2]
-    return Hull(0.0, 2 * float(made.volume), center)  # scipy's volume is the area there
-
-
-def _centroid(faces):
-    """Centroid (d) of the hull with these faces (n, d, d), the origin being inside."""
-    parts = np.abs(np.linalg.det(faces))
-    return parts @ faces.sum(axis=1) / ((faces.shape[-1] + 1) * parts.sum())
-
-
-def targetSize(target):
-    """Volume [m3], surface [m2] and characteristic length [m] of a body's convex hull; the length is the mean of
-    its extents along its own three axes.
-
-    Clumps count by the hull of their members. Spheres are exact, but in a clump they count with 32 faces around
-    them, 1 % too small.
-    """
-    body = findBody("targetSize", target, "target")
-    if isinstance(body.shape, wrapper.Sphere):
-        r = body.shape.radius
-        return 4 / 3 * np.pi * r**3, 4 * np.pi * r**2, 2 * r
-    center = np.array(list(body.state.pos))
-    found = surfaces(solids([target]), center)
-    if not found:
-        values.refuse("targetSize: target", target, "has no surface that is known here")
-    points = np.concatenate([points for _, points, _ in found])
-    extent = np.ptp((points - center) @ matrix(body.state.ori), axis=0)
-    made = hull(points)
-    if not made.volume > 0:
-        values.refuse("targetSize: target", target, "is flat, and has no volume")
-    return made.volume, made.surface, float(extent.mean())
-
-
-def qualityIndex(net, target):
-    """Capture quality index [-] of a net around a body: 0 where the net's convex hull is as large as the target's
-    and in the same place.
-
-        0.1 |V_n - V_t| / V_t + 0.1 |S_n - S_t| / S_t + 0.8 |q_n - q_t| / L_t
-
-    with volume V, surface S and centre q of the convex hull of the net's nodes and of the target (its body's
-    place), and the target's characteristic length L_t: Barnes and Botta, A quality index for net-based capture
-    of space debris, Acta Astronautica 176 (2020), 455-463. It does not see whether the net is closed.
-    """
-    return _quality(hull(net._state()[0]), targetSize(target), _place(target))
-
-
-def _quality(made, size, center):
-    volume, surface, length = size
-    sizes = abs(made.volume / volume - 1) + abs(made.surface / surface - 1)
-    return float(0.1 * sizes + 0.8 * np.linalg.norm(made.center - center) / length)
+NOTHING = 1e-9  # change of a target's speed, or of a net's where that is held, that is no contact yet [m/s]
 
 
 # ---- contact with the target ---------------------------------------------------------------------
-
-
-def _place(target):
-    return np.array(list(O.bodies[target].state.pos))
 
 
 def pressing(net, target):
@@ -324,16 +139,10 @@ class Capture:
         self._size, self._skin = targetSize(target), Skin(net)
         self._rim, self._normal = np.array(net.rim), Vector3(*net.normal)
         self._directions = everywhere(values.count("Capture: directions", directions, 1))
-        shot = [O.bodies[i].state for i in net.bullets]
-        self._least = NOTHING * sum(s.mass * s.vel.norm() for s in shot)
         self.time, self.mouth, self.beyond, self.contacts = [], [], [], []
         self.momentum, self.tension = [], []
-        self.looked, self.enclosed, self.hull, self.quality = (
-            [],
-            [],
-            [],
-            [],
-        )  # numbers of samples; values there
+        self.looked = []  # numbers of the samples in which these were looked at
+        self.enclosed, self.hull, self.quality = [], [], []
         self.more = {name: [] for name in self.also}
 
     def sample(self):
@@ -355,12 +164,12 @@ class Capture:
         """Looks at enclosure and hull in the last sample, if it has not been done."""
         if self.looked and self.looked[-1] == len(self.time) - 1:
             return
-        nodes, center = self.net._state()[0], _place(self.target)
+        nodes, center = self.net._state()[0], np.array(list(O.bodies[self.target].state.pos))
         self.looked.append(len(self.time) - 1)
         made = hull(nodes)
         self.enclosed.append(float(self._skin.blocked(nodes, center, self._directions).mean()))
         self.hull.append(made.volume / self._size[0])
-        self.quality.append(_quality(made, self._size, center))
+        self.quality.append(indexOf(made, self._size, center))
 
     def _beyond(self, nodes):
         """Share of the bullets beyond the target's centre."""
@@ -381,7 +190,7 @@ class Capture:
     def _met(self):
         """Number of the first sample with the target touched, or None."""
         met = np.array(self.contacts) > 0
-        met |= np.array(self.momentum) > self._least  # never where that is nan
+        met |= np.array(self.momentum) > NOTHING * self._momentum.mass  # never where it is nan
         return int(np.argmax(met)) if met.any() else None
 
     @property
@@ -441,10 +250,12 @@ class Capture:
 
     def row(self):
         """Stages and measures, one row of a table: {name with unit: value}, times None as above."""
+        if not self.time:
+            raise RuntimeError("Capture.row: there are no samples yet; sample() first")
         self.look()
         since, until = self.embraced or (None, None)
         share = self.share
-        return {
+        own = {
             "open_s": self.open,
             "mouth_open_m2": self.mouth[self.time.index(self.open)],
             "contact_s": self.contact,
@@ -466,5 +277,7 @@ class Capture:
             "tension_most_N": max(self.tension),
             "momentum_most_Ns": max(self.momentum),
             "momentum_end_Ns": self.momentum[-1],
-            **{name: series[-1] for name, series in self.more.items()},
         }
+        for name in own.keys() & self.also.keys():
+            values.refuse("Capture: also", name, "is a measure already: choose another name")
+        return own | {name: series[-1] for name, series in self.more.items()}
