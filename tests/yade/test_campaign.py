@@ -16,8 +16,8 @@ from ancf import campaign
 from ancf.campaign import statistics
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-ENV = {**os.environ}
-ENV.setdefault("PYTHONPATH", str(ROOT / "build" / "python"))
+PATH = os.environ.get("PYTHONPATH", str(ROOT / "build" / "python")).split(os.pathsep)
+ENV = {**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, PATH))}
 LOAD = 90  # in which a process has to load YADE on a busy machine [s]
 
 SCENE = """
@@ -26,7 +26,7 @@ from ancf import campaign
 from yade import O, utils
 
 VARY = dict(x=campaign.uniform(0, 1), wait=campaign.uniform(0.01, 0.03))
-LOG = pathlib.Path(__file__).with_name("log")
+LOG, HOLD = (pathlib.Path(__file__).with_name(name) for name in ("log", "hold"))
 
 
 def run(x, kind="good", wait=0.0):
@@ -44,6 +44,8 @@ def run(x, kind="good", wait=0.0):
     if kind == "vector":
         return dict(position=O.bodies[0].state.pos)
     time.sleep(wait)
+    while HOLD.exists():
+        time.sleep(0.01)
     with open(LOG, "a") as log:
         log.write(f"{x}\\n")
     return dict(square=x * x, bodies=bodies)
@@ -68,9 +70,11 @@ def logged(scene):
     return [float(x) for x in log.read_text().split()] if log.exists() else []
 
 
-def waitFor(what, limit=LOAD):
+def waitFor(what, process=None, limit=LOAD):
+    """Until what() is true, as long as a process lives that makes it so."""
     end = time.monotonic() + limit
     while not what():
+        assert process is None or process.poll() is None, process.communicate()[0]
         assert time.monotonic() < end, "waited in vain"
         time.sleep(0.02)
 
@@ -203,6 +207,10 @@ def test_a_file_of_something_else_is_left_alone(scene, tmp_path):
         ("speed = 1", "has no function run"),
         ("import nothingOfThatName", "No module named 'nothingOfThatName'"),
         ("raise SystemExit('no licence')", "no licence"),
+        (
+            "from ancf import campaign\ncampaign.run(__file__, campaign.grid(x=[1]), 'a.db')",
+            "put it under `if __name__ == '__main__':`",
+        ),
     ],
 )
 def test_a_scene_that_cannot_be_run_is_told(tmp_path, text, told):
@@ -265,11 +273,13 @@ def said(process, limit=LOAD):
 def test_ctrl_c_and_the_same_command_again(scene):
     options = ("--random", "60", "--workers", "2", "--csv", "runs.csv")
     first = command(scene, *options)
-    waitFor(lambda: len(logged(scene)) > 15)
-    second = command(scene, *options)  # at the same time
+    waitFor(lambda: len(logged(scene)) > 15, first)
+    scene.with_name("hold").touch()  # all that is under way waits
+    second = command(scene, *options)
     assert "another campaign is adding to it" in said(second) and second.returncode == 1
     os.killpg(first.pid, signal.SIGINT)
     assert "the same command goes on" in said(first) and first.returncode == 130
+    scene.with_name("hold").unlink()
     with campaign.Results(scene.with_name("scene.db")) as results:
         runs, finished, failed = results.count()
     assert runs == 60 and 10 < finished < 60 and failed == 0
@@ -289,58 +299,70 @@ def test_a_scheduler_that_does_not_answer_is_told(scene):
     assert "does not answer" in text and "dask-scheduler" in text and process.returncode == 1, text
 
 
-def test_a_worker_killed_in_the_middle_of_200_runs(scene):
-    """Nothing is lost and nothing is there twice."""
+@pytest.fixture
+def cluster(scene):
+    """A Dask scheduler and two workers, processes each: address, [scheduler, worker, worker]."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
-        address = "tcp://127.0.0.1:%d" % free.getsockname()[1]
-    started = []
+        host, port = free.getsockname()
+    address, started = f"tcp://{host}:{port}", []
 
-    def start(name, *module):
-        log = open(scene.with_name(name), "w")
-        options = dict(cwd=scene.parent, env=ENV, stdout=log, stderr=subprocess.STDOUT)
+    def start(ready, *module):
+        log = scene.with_name(f"process{len(started)}")
+        options = dict(cwd=scene.parent, env=ENV, stdout=open(log, "w"), stderr=subprocess.STDOUT)
         started.append(subprocess.Popen([sys.executable, "-m", *module], **options))
-        return started[-1]
+        waitFor(lambda: ready in log.read_text(), started[-1])
 
-    host, port = address[len("tcp://") :].split(":")
     try:
-        start(
-            "scheduler",
-            "distributed.cli.dask_scheduler",
-            "--host",
-            host,
-            "--port",
-            port,
-            "--no-dashboard",
-        )
-        waitFor(lambda: "Scheduler at" in scene.with_name("scheduler").read_text())
-        members = [start(f"w{i}", "ancf.campaign.join", address, "--workers", "1") for i in (1, 2)]
-        for i in (1, 2):
-            waitFor(lambda: "works for" in scene.with_name(f"w{i}").read_text())
-        process = command(scene, "--random", "200", "--scheduler", address)
-        with_both = lambda: len({w for w in workers(scene) if w}) == 2  # noqa: E731
-        waitFor(lambda: len(logged(scene)) > 60 and with_both())
-        members[0].kill()
-        assert len(logged(scene)) < 200
-        text = said(process)
-        assert "200 of 200 runs finished, 0 of them failed" in text, text
+        options = ("--host", host, "--port", str(port), "--no-dashboard")
+        start("Scheduler at", "distributed.cli.dask_scheduler", *options)
+        for _ in range(2):
+            start("works for", "ancf.campaign.join", address, "--workers", "1")
+        yield address, started
     finally:
-        for one in started:
-            one.kill()
-            one.wait()
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+def test_a_worker_killed_in_the_middle_of_200_runs(scene, cluster):
+    """Nothing is lost and nothing is there twice."""
+    address, (_, first, _) = cluster
+    process = command(scene, "--random", "200", "--scheduler", address)
+    waitFor(lambda: len(logged(scene)) > 60 and len(workers(scene)) == 2, process)
+    scene.with_name("hold").touch()  # each worker has a run under way
+    time.sleep(0.5)
+    assert len(logged(scene)) < 200
+    first.kill()
+    first.wait()  # and with it, what it computed
+    scene.with_name("hold").unlink()
+    text = said(process)
+    assert "200 of 200 runs finished, 0 of them failed" in text, text
     with campaign.Results(scene.with_name("scene.db")) as results:
         columns = results.columns()
     assert len(columns["run"]) == len(set(columns["x"])) == 200
     assert np.array_equal(columns["square"], columns["x"] ** 2)
-    ends = logged(scene)
-    assert set(ends) == set(columns["x"]) and len(ends) <= 201  # one was under way
+    assert sorted(logged(scene)) == sorted(columns["x"])  # each came to its end once
+
+
+def test_a_scheduler_that_ends_in_the_middle_is_told(scene, cluster):
+    address, (scheduler, *_) = cluster
+    process = command(scene, "--random", "200", "--scheduler", address)
+    waitFor(lambda: len(logged(scene)) > 20, process)
+    scene.with_name("hold").touch()
+    scheduler.kill()
+    text = said(process)
+    assert "results so far are kept" in text and process.returncode == 1, text
+    scene.with_name("hold").unlink()
+    process = command(scene, "--random", "200", "--workers", "2")
+    assert "200 of 200 runs finished, 0 of them failed" in said(process)
+    assert len(logged(scene)) <= 204  # two were under way, and perhaps as many not yet written
 
 
 def workers(scene):
-    if not scene.with_name("scene.db").exists():
-        return []
+    """Those that have finished a run."""
     with campaign.Results(scene.with_name("scene.db")) as results:
-        return list(results.columns().get("worker", []))
+        return set(results.columns()["worker"])
 
 
 def test_a_process_ends_with_its_worker(scene):
@@ -357,7 +379,7 @@ def test_a_process_ends_with_its_worker(scene):
     time.sleep(0.5)
     parent.kill()
     parent.communicate()
-    waitFor(lambda: not pathlib.Path(f"/proc/{child}").exists(), 10)
+    waitFor(lambda: not pathlib.Path(f"/proc/{child}").exists(), limit=10)
 
 
 def test_a_run_costs_little_more_than_itself(scene, tmp_path):

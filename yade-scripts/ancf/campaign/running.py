@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import contextlib
+import os
 import pathlib
 import queue
 import sys
@@ -32,6 +33,10 @@ def run(scene, table, results, workers=1, scheduler=None, limit=LIMIT, again=Fal
     other end, keeps what is finished; the same call goes on.
     Raises ValueError, TypeError, RuntimeError that say what to do before the first run.
     """
+    if worker.INSIDE in os.environ:
+        raise RuntimeError(
+            "campaign.run() in a script that a campaign loads: put it under `if __name__ == '__main__':`"
+        )
     scene = str(pathlib.Path(scene).resolve())
     if not isinstance(table, Table):
         values.refuse(
@@ -98,6 +103,7 @@ class Remote:
     """Workers of a Dask scheduler."""
 
     def __init__(self, address):
+        worker.endIdle()  # this machine only hands out
         self.address = address
         try:
             from distributed import Client

@@ -14,6 +14,7 @@ import time
 from multiprocessing.connection import Connection
 
 START = 120  # in which YADE and a scene have to load [s]
+INSIDE = "ANCF_CAMPAIGN"  # environment variable of the processes that run scenes
 RENEW = 1000  # runs of a process: YADE never frees all of a scene
 
 
@@ -36,7 +37,7 @@ class Process:
                 stdin=subprocess.PIPE,  # held open: the process ends with this one
                 stdout=self._output,
                 stderr=subprocess.STDOUT,
-                env={**os.environ, "PYTHONPATH": path},
+                env={**os.environ, "PYTHONPATH": path, INSIDE: "1"},
                 pass_fds=[theirs.fileno()],
                 start_new_session=True,  # Ctrl-C is for the campaign
             )
