@@ -220,6 +220,12 @@ def test_a_scene_that_cannot_be_run_is_told(tmp_path, text, told):
     assert not (tmp_path / "a.db").exists()
 
 
+@pytest.mark.parametrize("name", ["none.py", "/usr/bin/yade"])
+def test_what_is_no_script_is_told(tmp_path, name):
+    with pytest.raises(ValueError, match="must be a script"):
+        campaign.run(tmp_path / name, campaign.grid(x=[1]), tmp_path / "a.db")
+
+
 def test_the_same_run_gives_the_same_bits_in_any_process(tmp_path):
     """A net hits a ball: first in a process, and after others in it."""
     (tmp_path / "net.py").write_text(

@@ -61,15 +61,14 @@ def tell(results):
 
 def main():
     args = options()
-    scene = args.scene.resolve()
     results = args.results or pathlib.Path(args.scene.stem + ".db")
     try:
         if args.table:
             table = tables.read(args.table)
         else:
-            table = running.drawn(str(scene), args.random, args.seed)
+            table = running.drawn(args.scene, args.random, args.seed)
         kept = running.run(
-            scene, table, results, args.workers, args.scheduler, args.limit, args.again
+            args.scene, table, results, args.workers, args.scheduler, args.limit, args.again
         )
     except KeyboardInterrupt:
         print(f"\n{results}: finished runs are kept; the same command goes on", file=sys.stderr)

@@ -13,6 +13,8 @@ import sys
 
 from . import running, worker
 
+GRACE = 60  # for a scheduler that starts at the same time [s]
+
 
 async def join(address, workers):
     """Works until the scheduler ends, or SIGTERM or SIGINT tells to."""
@@ -21,7 +23,7 @@ async def join(address, workers):
     stop = asyncio.Event()
     for signalled in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(signalled, stop.set)
-    async with Worker(address, nthreads=workers, death_timeout=running.ANSWER) as member:
+    async with Worker(address, nthreads=workers, death_timeout=GRACE) as member:
         print(f"{member.address} works for {address}, {workers} at a time", flush=True)
         stopped, finished = (asyncio.create_task(x) for x in (stop.wait(), member.finished()))
         await asyncio.wait([stopped, finished], return_when=asyncio.FIRST_COMPLETED)

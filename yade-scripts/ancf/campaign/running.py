@@ -37,7 +37,7 @@ def run(scene, table, results, workers=1, scheduler=None, limit=LIMIT, again=Fal
         raise RuntimeError(
             "campaign.run() in a script that a campaign loads: put it under `if __name__ == '__main__':`"
         )
-    scene = str(pathlib.Path(scene).resolve())
+    scene = _script(scene)
     if not isinstance(table, Table):
         values.refuse(
             "campaign.run: table", table, "must be a Table: read(), grid(), draw()", TypeError
@@ -56,6 +56,15 @@ def run(scene, table, results, workers=1, scheduler=None, limit=LIMIT, again=Fal
     return Results(results)
 
 
+def _script(scene):
+    """Path of a script, for a worker anywhere."""
+    path = pathlib.Path(scene).resolve()
+    if path.suffix != ".py" or not path.is_file():
+        remedy = "must be a script, scene.py, that is there; under `yade`, __file__ is YADE itself"
+        values.refuse("campaign: scene", str(scene), remedy)
+    return str(path)
+
+
 def describe(scene):
     """What run() of a script takes, found out by a process that loads it."""
     process = worker.take(scene)
@@ -65,7 +74,7 @@ def describe(scene):
 
 def drawn(scene, runs, seed):
     """The random Table of the distributions VARY of a script."""
-    process = worker.take(scene)
+    process = worker.take(_script(scene))
     try:
         return process.ask(worker.START, "draw", runs, seed)
     finally:
@@ -160,10 +169,12 @@ def _runAll(pool, kept, table, scene, digest, limit):
     seldom = 0.3 if sys.stderr.isatty() else 60
     with tqdm(total=total, initial=done, unit="run", mininterval=seldom, smoothing=0.05) as bar:
         while numbers:
-            outcomes = [
-                (numbers.pop(future), _outcome(future, pool)) for future in _next(there, pool)
-            ]
-            kept.keep(outcomes)
+            outcomes = []
+            try:
+                for future in _next(there, pool):
+                    outcomes.append((numbers.pop(future), _outcome(future, pool)))
+            finally:  # also when it is found that no worker can go on
+                kept.keep(outcomes)
             failed += sum(outcome["error"] is not None for _, outcome in outcomes)
             bar.set_postfix(failed=failed, refresh=False)
             bar.update(len(outcomes))

@@ -52,14 +52,19 @@ class Process:
     def pid(self):
         return self._process.pid
 
+    @property
+    def alive(self):
+        return self._process.poll() is None
+
     def ask(self, limit, *task):
         """The answer to a task; RuntimeError if the process ended or took longer than limit [s]."""
         self._output.truncate(0)
-        self._connection.send(task)
-        return self._answer(limit, "the time limit of a run")
+        return self._answer(limit, "the time limit of a run", task)
 
-    def _answer(self, limit, why):
+    def _answer(self, limit, why, task=None):
         try:
+            if task:
+                self._connection.send(task)
             if not self._connection.poll(limit):
                 self.kill()
                 raise TimeoutError(f"took more than {limit:g} s, {why}: ended{self._said()}")
@@ -100,9 +105,10 @@ _idle, _all, _lock = [], set(), threading.Lock()
 def take(scene):
     """A process that has the scene loaded and nothing to do."""
     with _lock:
-        others = [p for p in _idle if p.scene != scene]
-        _idle[:] = [p for p in _idle if p.scene == scene]
-        found = _idle.pop() if _idle else None
+        fit = [p for p in _idle if p.scene == scene and p.alive]
+        others = [p for p in _idle if p not in fit]
+        found = fit.pop() if fit else None
+        _idle[:] = fit
     for process in others:
         _end(process)
     if found:
