@@ -28,7 +28,7 @@ VARY = dict(  # about the study's 1.5 m/s, 25 deg, 1 m
     spin=campaign.uniform(-20, 20),  # of the ball about z [rad/s]
 )
 # The study's net has 6 x 6 meshes of 0.08 m and three contact points inside each element. This one is as
-# large, and the ball, 0.16 m thick, does not fit through it either; it costs an eighth.
+# large, and the ball, 0.16 m thick, does not fit through it either; it costs several times less.
 MESHES = 4  # a side
 MESH_LENGTH = 0.12  # [m]
 CONTACT_POINTS = 2  # inside each element
@@ -180,7 +180,7 @@ def options():
     parser.add_argument("--runs", type=int, default=10000)
     parser.add_argument("--workers", type=int, default=2, help="processes on this machine")
     parser.add_argument("--scheduler", help="take the workers of this Dask scheduler instead")
-    parser.add_argument("--quick", action="store_true", help="24 captures")
+    parser.add_argument("--quick", action="store_true", help="24 captures, anew")
     parser.add_argument("--out", type=pathlib.Path, default="out/capture_campaign", help="folder")
     return parser.parse_args()
 
@@ -190,6 +190,8 @@ def main():
     args.out.mkdir(parents=True, exist_ok=True)
     table = campaign.draw(24 if args.quick else args.runs, **VARY)
     file = args.out / "captures.db"
+    if args.quick:
+        file.unlink(missing_ok=True)
     try:
         campaign.run(__file__, table, file, args.workers, args.scheduler, limit=600).close()
     except KeyboardInterrupt:

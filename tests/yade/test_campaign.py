@@ -381,11 +381,15 @@ def test_a_process_ends_with_its_worker(scene):
         [sys.executable, "-c", code, str(scene)], env=ENV, stdout=subprocess.PIPE, text=True
     )
     child = next(int(line) for line in parent.stdout if line.strip().isdigit())
-    assert pathlib.Path(f"/proc/{child}").exists()
-    time.sleep(0.5)
-    parent.kill()
-    parent.communicate()
-    waitFor(lambda: not pathlib.Path(f"/proc/{child}").exists(), limit=10)
+    try:
+        assert pathlib.Path(f"/proc/{child}").exists()
+        time.sleep(0.5)
+        parent.kill()
+        parent.communicate()
+        waitFor(lambda: not pathlib.Path(f"/proc/{child}").exists(), limit=10)
+    except AssertionError:
+        os.kill(child, signal.SIGKILL)
+        raise
 
 
 def test_a_run_costs_little_more_than_itself(scene, tmp_path):
