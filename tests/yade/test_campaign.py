@@ -220,6 +220,17 @@ def test_a_scene_that_cannot_be_run_is_told(tmp_path, text, told):
     assert not (tmp_path / "a.db").exists()
 
 
+def test_a_scene_may_take_any_parameter(tmp_path):
+    (tmp_path / "any.py").write_text(
+        "def run(x, **more):\n    return dict(sum=x + sum(more.values()))"
+    )
+    runs = campaign.grid(x=[1], speed=[2], angle=[4])
+    with campaign.run(tmp_path / "any.py", runs, tmp_path / "a.db") as results:
+        assert list(results.columns()["sum"]) == [7]
+    with pytest.raises(ValueError, match="has no column x: run.. of any.py takes x"):
+        campaign.run(tmp_path / "any.py", campaign.grid(speed=[2]), tmp_path / "b.db")
+
+
 @pytest.mark.parametrize("name", ["none.py", "/usr/bin/yade"])
 def test_what_is_no_script_is_told(tmp_path, name):
     with pytest.raises(ValueError, match="must be a script"):

@@ -12,12 +12,13 @@ def plotMap(ax, found, xLabel, yLabel):
     """Draws a Map into axes: colour is the share of successes, and each cell says it and the number of
     runs. Returns what a colour bar needs.
     """
-    image = ax.pcolormesh(found.x, found.y, found.share.T, vmin=0, vmax=1, cmap="RdYlGn")
+    image = ax.pcolormesh(found.x, found.y, found.share.T, vmin=0, vmax=1, cmap="RdYlBu")
     if max(found.runs.shape) <= READABLE:
         for i, j in np.argwhere(found.runs):
             at = (found.x[i : i + 2].mean(), found.y[j : j + 2].mean())
             text = f"{100 * found.share[i, j]:.0f} %\n{found.successes[i, j]}/{found.runs[i, j]}"
-            ax.annotate(text, at, ha="center", va="center", fontsize=7)
+            color = "k" if 0.15 < found.share[i, j] < 0.85 else "w"
+            ax.annotate(text, at, ha="center", va="center", fontsize=7, color=color)
     ax.set_xlabel(xLabel)
     ax.set_ylabel(yLabel)
     return image
@@ -36,6 +37,6 @@ def plotMaps(path, columns, success, pairs, labels, bins=8):
     for ax, (x, y) in zip(axes[0], pairs):
         image = plotMap(ax, successMap(columns[x], columns[y], success, bins), labels[x], labels[y])
     figure.colorbar(image, ax=axes[0].tolist(), label="share of successes")
-    figure.suptitle(f"success: {probability(success)}")
+    figure.suptitle(f"success, and its 95 % confidence interval: {probability(success)}")
     figure.savefig(path, dpi=110)
     plt.close(figure)

@@ -58,10 +58,13 @@ class Table:
         return tuple(row)
 
     def checkParameters(self, scene, parameters, needed):
-        """Refuses columns that run() does not take, and needed parameters that have none."""
-        takes = f"run() of {scene} takes {', '.join(parameters) or 'nothing'}"
+        """Refuses columns that run() does not take, and needed parameters that have none. parameters:
+        None where it takes any.
+        """
+        known = needed if parameters is None else parameters
+        takes = f"run() of {scene} takes {', '.join(known) or 'nothing'}"
         for name in self.names:
-            if parameters is not None and name not in parameters:
+            if parameters is not None and name not in known:
                 values.refuse(f"{self.source}: column", name, f"unknown: {takes}")
         missing = [name for name in needed if name not in self.names]
         if missing:
