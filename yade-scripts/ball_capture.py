@@ -1,7 +1,8 @@
 """A stowed net, shot by four bullets, opens, meets a fixed ball and embraces it: Table 2 of Shan, Guo and
 Gill 2019.
 
-Nothing draws its mouth shut, so its own recoil opens it again. Run it by `/usr/bin/python3
+Nothing draws its mouth shut, so its own recoil opens it again; with --close a line through the rings of its rim does,
+and it holds the ball. Run it by `/usr/bin/python3
 ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options. Results go to out/.
 Source: Shan, Guo, Gill, Advances in Space Research (2019), doi 10.1016/j.asr.2019.10.041.
 """
@@ -31,6 +32,7 @@ BULLET_ANGLE = 25.0  # between velocity and x [deg]
 TARGET_DISTANCE = 1.0  # from the net to the centre of the ball, along x [m]
 BALL_RADIUS = 0.08  # [m]
 DURATION = 1.5  # [s]
+CLOSED_FOR = 10.0  # with --close [s]
 
 # Not given by the study: chosen here, and printed as assumed.
 ASSUMED = dict(
@@ -47,6 +49,13 @@ ASSUMED = dict(
     damping=5e-5,  # Kelvin-Voigt time of the cables [s]
     gravity=0.0,  # [m/s2]
 )
+LINE = dict(  # with --close; by a winch in one of the bullets
+    slack=0.02,  # of the line, beside the open rim [-]
+    speed=4.0,  # of the winch [m/s]
+    force=10.0,  # at most [N]
+    left=0.15,  # of the rim's length, at which it stops [-]
+)
+HELD = 0.9  # share of the ball that a net must enclose to hold it
 MASS = "lumped"
 SELF_CONTACT = True  # cables of the net do not pass through each other
 
@@ -74,10 +83,10 @@ def appendMaterials(target="ball"):
     O.materials.append(material(target, ASSUMED["ballYoung"], ASSUMED["ballPoisson"], 2700))
 
 
-def build(nudge, **assumed):
+def build(nudge, close=False, **assumed):
     """The scene; nudge (4) changes speed, angle and the ball's y and z a little, `assumed` what is in ASSUMED.
 
-    Returns the net and the ball's id.
+    Returns the net, the ball's id and the closing line, or None.
     """
     a = {**ASSUMED, **assumed}
     O.reset()
@@ -103,21 +112,39 @@ def build(nudge, **assumed):
         BULLET_SPEED * (1 + nudge[0]),
         np.radians(BULLET_ANGLE) * (1 + nudge[1]),
     )
-    O.engines = ancf.engines(net, gravity=(0, 0, -a["gravity"]))
+    line = closingLine(net, a["diameter"]) if close else None
+    parts = [net, line] if close else [net]
+    O.engines = ancf.engines(*parts, gravity=(0, 0, -a["gravity"]))
     ancf.check()
-    return net, ball
+    return net, ball, line
+
+
+def closingLine(net, diameter):
+    """From the first bullet through the rings of the rim and back to it."""
+    at = net.rim.index(net.corners[0])
+    rings = [*net.rim[at:], *net.rim[:at], net.rim[at]]
+    return ancf.Line(
+        [(net, knot) for knot in rings],
+        diameter=diameter,
+        material="cable",
+        length=(1 + LINE["slack"]) * 4 * MESHES * MESH_LENGTH,
+        label="closing line",
+    )
 
 
 class Run:
     """One run and what is measured in it."""
 
-    def __init__(self, nudge, pictures, duration, title, **assumed):
+    def __init__(self, nudge, pictures, duration, title, close=False, **assumed):
         from ancf.plots import Film, History
 
-        self.net, self.ball = build(nudge, **assumed)
+        self.net, self.ball, self.line = build(nudge, close, **assumed)
         self.history = History(self.net)
-        self.capture = Capture(self.net, self.ball)
-        self.film = Film([self.net], [self.ball]) if pictures else None
+        left = {"line_left_m": lambda: self.line.length} if close else {}
+        self.capture = Capture(self.net, self.ball, also=left)
+        shown = [self.net, self.line] if close else [self.net]
+        self.film = Film(shown, [self.ball]) if pictures else None
+        self.closing = None
         self.energy = []
         self.duration, self.title = duration, title
         O.trackEnergy = True
@@ -126,6 +153,10 @@ class Run:
         self.history.sample()
         self.capture.sample()
         self.energy.append(O.energy.total())
+        if self.line and self.closing is None and self.capture.beyond[-1] == 1:
+            self.closing = O.time
+            left = LINE["left"] * 4 * MESHES * MESH_LENGTH
+            self.line.haul(LINE["speed"], LINE["force"], to=left)
         if self.film and len(self.energy) % FILM_EVERY:
             self.film.take()
 
@@ -152,6 +183,16 @@ class Run:
         cable is thick.
         """
         return self.capture.embraced is not None and self.penetration < ASSUMED["diameter"]
+
+    @property
+    def held(self):
+        """Whether the net, drawn shut, still encloses the ball."""
+        return self.closing is not None and self.capture.row()["enclosed_end"] >= HELD
+
+    @property
+    def good(self):
+        """Whether it did what it is to do."""
+        return self.held if self.line else self.embraced
 
     def stages(self):
         """(what, when) of the stages that it came to."""
@@ -185,6 +226,11 @@ class Run:
         print(f", {100 * row['enclosed_end']:.0f} % at the end")
         print(f"quality index        {row['quality_best']:.2f} at best (0: as large as the ball)")
         print(f"largest tension      {row['tension_most_N']:.1f} N")
+        if self.line:
+            drawn = f"{self.line.tensions.max():.1f} N, {self.line.length:.2f} m left"
+            print(
+                f"closing line         drawn from {self.closing or 0:.3f} s; {drawn}, {self.line.winch()}"
+            )
         print(f"given to the ball    {row['momentum_end_Ns']:.3f} N s")
         print(
             f"deepest penetration  {self.penetration:.3g} m of {ASSUMED['diameter']:g} m diameter"
@@ -197,6 +243,9 @@ class Run:
     @property
     def verdict(self):
         """What came out, in a sentence."""
+        if self.line:
+            enclosed = 100 * self.capture.row()["enclosed_end"]
+            return f"{'held' if self.held else 'NOT held'} at {O.time:.1f} s, {enclosed:.0f} % enclosed"
         if not self.embraced:
             return f"NOT embraced for {HOLD} s"
         since, until = self.capture.embraced
@@ -236,7 +285,8 @@ def options():
     parser.add_argument(
         "--runs", type=int, default=0, help="perturbed runs, all to embrace the ball"
     )
-    parser.add_argument("--time", type=float, default=DURATION, help="to simulate [s]")
+    parser.add_argument("--close", action="store_true", help="draw the mouth shut by a line")
+    parser.add_argument("--time", type=float, help=f"to simulate [s], {DURATION}, or {CLOSED_FOR}")
     parser.add_argument(
         "--damping",
         type=float,
@@ -253,12 +303,12 @@ def nudges(number):
     return NUDGE * np.random.default_rng(number).normal(size=4)
 
 
-def checkRuns(runs, duration, folder):
-    """Perturbed runs, a row each in captures.csv; True if all embraced the ball."""
-    rows, embraced = [], 0
+def checkRuns(runs, duration, folder, close):
+    """Perturbed runs, a row each in captures.csv; True if all embraced the ball, or hold it."""
+    rows, good = [], 0
     for k in range(1, runs + 1):
-        run = Run(nudges(k), False, duration, f"run {k} of {runs}").run()
-        embraced += run.embraced
+        run = Run(nudges(k), False, duration, f"run {k} of {runs}", close).run()
+        good += run.good
         rows.append({"run": k, **run.capture.row()})
         stages = ", ".join(" ".join(stage) for stage in run.stages())
         print(f"run {k}: {run.verdict}\n  {stages}; {run.wall:.2f} s wall", flush=True)
@@ -266,8 +316,8 @@ def checkRuns(runs, duration, folder):
         out = csv.DictWriter(file, rows[0])
         out.writeheader()
         out.writerows(rows)
-    print(f"{embraced} of {runs} runs embraced")
-    return embraced == runs
+    print(f"{good} of {runs} runs {'held' if close else 'embraced'}")
+    return good == runs
 
 
 def main():
@@ -275,15 +325,16 @@ def main():
     ASSUMED["damping"] = args.damping
     head()
     args.out.mkdir(parents=True, exist_ok=True)
+    duration = args.time or (CLOSED_FOR if args.close else DURATION)
     if args.runs:
-        return 0 if checkRuns(args.runs, args.time, args.out) else 1
-    run = Run(np.zeros(4), not args.no_pictures, args.time, "capture").run()
+        return 0 if checkRuns(args.runs, duration, args.out, args.close) else 1
+    run = Run(np.zeros(4), not args.no_pictures, duration, "capture", args.close).run()
     run.report()
     run.history.save(args.out / "bullets.csv")
     if not args.no_pictures:
         film = run.pictures(args.out)
         print(f"pictures             {args.out}/bullets.png, {args.out}/strip.png, {film}")
-    return 0 if run.embraced or args.time < DURATION else 1
+    return 0 if run.good or duration < DURATION else 1
 
 
 if __name__ == "__main__":
