@@ -6,6 +6,7 @@ last lets two corners go and lifts the others. Run it by `/usr/bin/python3 debri
 options. Results go to out/.
 """
 
+import argparse
 import sys
 
 import numpy as np
@@ -221,7 +222,9 @@ def study(quick=False, pictures=False):
 
 
 def main():
-    args = grains.options(__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="smaller and shorter")
+    args = grains.options(parser)
     bag, out = study(args.quick, not args.no_pictures)
     if not args.no_pictures:
         picture(bag, args.out / "debris_bag.png")

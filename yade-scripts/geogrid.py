@@ -6,9 +6,9 @@ GridConnection of the same ribs. Run it by `/usr/bin/python3 geogrid.py`; --help
 out/.
 """
 
+import argparse
 import csv
 import sys
-import time
 
 import numpy as np
 
@@ -22,21 +22,23 @@ BOX = (0.42, 0.28)  # inside, x and y [m]
 RIBS = (7, 5)  # knots along x and y; the front row is outside
 MESH = 0.06  # [m]
 RIB = 4e-3  # diameter [m]
-RIB_YOUNG = 2e8  # a tenth of polypropylene's, so that steps are long: ribs strain by 1 or 2 % [Pa]
+RIB_YOUNG = 5e8  # a third of polypropylene's, so that steps are long: ribs strain by 2 % [Pa]
 RIB_DENSITY = 950  # [kg/m3]
 RIB_DAMPING = 1e-5  # Kelvin-Voigt time [s]
 RADIUS, SPREAD = 0.018, 0.2  # of grains: the smallest [m], how much larger the largest are
 GRAIN_YOUNG = 2e7  # so that grains give way by some 0.1 % of their radius [Pa]
 GRAIN_DENSITY = 2600  # [kg/m3]
 FRICTION = 0.5  # between grains, and of grains on ribs
-COUNT = 240  # grains below the grid, and as many above
+COUNT = 200  # grains below the grid, and as many above
 PRESSURES = (1e3, 4e3)  # of the lid [Pa]
-SPEED, WAY = 0.08, 0.03  # of the front row [m/s], [m]
-DAMPING = 0.3  # of grains: the pull is meant to be slow
-SETTLE = 0.25  # time that half a bed takes [s]
+SPEED, WAY = 0.1, 0.015  # of the front row [m/s], [m]
+QUICK_COUNT, QUICK_WAY = 54, 0.003
+DAMPING = 0.3  # NewtonIntegrator.damping while the bed comes to rest
+SETTLE, QUICK_SETTLE = 0.35, 0.15  # time that each half takes [s]
 SAMPLE = 1e-3  # [s]
-GRID, GRAINS, WALLS = 1, 3, 2  # masks: the grid goes through the walls
-RIBS_APART = 4  # bit of GridConnections' mask: they do not meet each other
+# Masks: the grid goes through the walls, and so does the lid; GridConnections do not meet each other.
+GRID, WALLS, LID, RIBS_APART = 1, 2, 8, 4
+GRAINS = GRID | WALLS | LID
 
 
 def walls():
@@ -104,7 +106,7 @@ class Cables:
             material="rib",
             damping=RIB_DAMPING,
             mass="lumped",
-            contactPoints=2,
+            contactPoints=1,
             mask=GRID,
         )
         self.crane = grains.Crane(self.net, range(RIBS[1]))
@@ -214,53 +216,177 @@ class Grid:
         return grains.places(self.nodes)
 
 
-def main():
-    import warnings
-    warnings.simplefilter("ignore")
-    kind={"c":Cables,"g":Grid}[sys.argv[1]]; P=float(sys.argv[2])
-    O.reset(); materials(); front,back=walls()
-    t0=time.process_time()
-    low=bed(0.0, 1)
-    bare=[wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(),wrapper.Bo1_Box_Aabb()],verletDist=.2*RADIUS),
-      wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom(),wrapper.Ig2_Box_Sphere_ScGeom()],[wrapper.Ip2_FrictMat_FrictMat_FrictPhys()],[wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
-      wrapper.NewtonIntegrator(damping=.4,gravity=(0,0,-9.81))]
-    O.engines=bare; O.dt=.5*RADIUS*np.sqrt(GRAIN_DENSITY/GRAIN_YOUNG)
-    while O.time<.8: O.step()
-    z=grains.places(low)[:,2]
-    top=max(z)+RADIUS*1.2
-    print("low settled",time.process_time()-t0,z.max(),utils.kineticEnergy(), O.iter)
-    grid=kind(top+RIB/2)
-    up=bed(top+RIB,2)
-    lid=utils.box((BOX[0]/2,BOX[1]/2,max(grains.places(up)[:,2])+RADIUS*1.2+.02),(BOX[0]/2,BOX[1]/2,.02),material="smooth",mask=WALLS)
-    lid.state.mass=P*BOX[0]*BOX[1]/9.81; lid.state.blockedDOFs="xyXYZ"
-    lid=O.bodies.append(lid)
-    O.engines=grid.engines() if kind is Cables else O.engines; O.dt=grid.step()
-    print("dt",O.dt, len(O.bodies))
-    O.engines[-1].damping=DAMPING
-    t1=O.time; t0=time.process_time()
-    while O.time<t1+.6:
-        t=O.time+.05
-        while O.time<t: O.step()
-        print("%.2f %.1f lid %.4f ke %.4f F %.1f"%(O.time,time.process_time()-t0,O.bodies[lid].state.pos[2],utils.kineticEnergy(),grid.force()), O.forces.f(front)[0],O.forces.f(back)[0], grid.knots()[:,2].min().round(4),grid.knots()[:,2].max().round(4),flush=True)
-    O.engines[-1].damping=0
-    grid.pull(SPEED)
-    t1=O.time; F=[]; W=[]
-    while O.time<t1+WAY/SPEED:
-        t=O.time+.02; F=[];W=[]
-        while O.time<t: O.step(); F.append(grid.force()); W.append([O.forces.f(front)[0],O.forces.f(back)[0]])
-        print("%.4f mm %.1f lid %.4f F %.1f"%(1e3*SPEED*(O.time-t1),time.process_time()-t0,O.bodies[lid].state.pos[2],np.mean(F)), np.mean(W,axis=0), (grid.knots()[-1]-grid.knots()[0])[0],flush=True)
-    from ancf import render
-    render.picture("geo%s.png"%sys.argv[1],[grid.net] if kind is Cables else [],{i:"#a79b85" for i in low},render.View(direction=(.5,.8,-.5)))
+class Pullout:
+    """One pull-out and what is measured in it; kind is Cables or Grid."""
+
+    def __init__(self, kind, pressure, quick=False):
+        count, rest = (QUICK_COUNT, QUICK_SETTLE) if quick else (COUNT, SETTLE)
+        O.reset()
+        materials()
+        front, back = walls()
+        low = bed(0.0, count, 1)
+        settleBed(2 * rest)
+        self.grid = kind(grains.places(low)[:, 2].max() + 1.2 * RADIUS + RIB / 2)
+        self.high = bed(grains.places(low)[:, 2].max() + 1.2 * RADIUS + RIB, count, 2)
+        self.lid = lid(grains.places(self.high)[:, 2].max() + 1.2 * RADIUS, pressure)
+        self.above = GRAVITY * (grains.mass(self.high) + O.bodies[self.lid].state.mass)
+        self.pressure, self.walls = pressure, (front, back)
+        if kind is Cables:
+            O.engines = self.grid.engines()
+        O.dt = self.grid.step()
+        settle(rest)
+        self.moving = speed([*low, *self.high])
+        self.way, self.force, self.wall = [], [], []
+
+    def run(self, way):
+        """Draws the front row out for a way [m]; forces are means over SAMPLE."""
+        self.grid.pull(SPEED)
+        O.trackEnergy = True
+        O.step()
+        self.energy, self.work, since = O.energy.total(), 0.0, O.time
+        lifted = O.energy["gravWork"]
+        cost, every = grains.Cost(), max(1, round(SAMPLE / O.dt))
+        while O.time < since + way / SPEED:
+            pull, bear = 0.0, 0.0
+            for _ in range(every):
+                O.step()
+                pull += self.grid.force() / every
+                bear -= sum(grains.force(w)[0] for w in self.walls) / every
+            self.work += pull * SPEED * every * O.dt
+            self.way.append(SPEED * (O.time - since))
+            self.force.append(pull)
+            self.wall.append(bear)
+        self.cost = cost.stop()
+        self.gained = O.energy.total() - self.energy
+        self.turnover = self.work + abs(O.energy["gravWork"] - lifted)
+        return self
+
+    @property
+    def late(self):
+        """Mean force over the last third [N]."""
+        return float(np.mean(self.force[2 * len(self.force) // 3 :]))
+
+    @property
+    def share(self):
+        """Mean force of the last third over twice the weight above the grid."""
+        return self.late / (2 * self.above)
+
+    @property
+    def wallsBear(self):
+        """The same mean of what both walls bear along [N]: in a slow pull nothing else does."""
+        return float(np.mean(self.wall[2 * len(self.wall) // 3 :]))
 
 
-def bed(low,seed):
-    rng=np.random.default_rng(seed); pitch=2*RADIUS*(1+SPREAD)+.005
-    nx,ny=int(BOX[0]/pitch),int(BOX[1]/pitch); ids=[]
-    for k in range(COUNT):
-        layer,place=divmod(k,nx*ny); i,j=divmod(place,ny)
-        r=RADIUS*(1+SPREAD*rng.uniform())
-        ids.append(O.bodies.append(utils.sphere(((i+.5)*BOX[0]/nx+.004*rng.uniform(-1,1),(j+.5)*BOX[1]/ny+.004*rng.uniform(-1,1),low+pitch*(layer+.5)),r,material="grain",mask=GRAINS)))
+def bed(low, count, seed):
+    """Loose layers of grains above z = low; returns their ids."""
+    rng, pitch = np.random.default_rng(seed), 2.1 * RADIUS * (1 + SPREAD)
+    nx, ny = (int(side / pitch) for side in BOX)
+    ids = []
+    for k in range(count):
+        layer, place = divmod(k, nx * ny)
+        i, j = divmod(place, ny)
+        p = np.array(
+            [(i + 0.5) * BOX[0] / nx, (j + 0.5) * BOX[1] / ny, low + pitch * (layer + 0.5)]
+        )
+        p += 0.05 * RADIUS * rng.uniform(-1, 1, 3)
+        r = RADIUS * (1 + SPREAD * rng.uniform())
+        ids.append(O.bodies.append(utils.sphere(p, r, material="grain", mask=GRAINS)))
     return ids
+
+
+def settle(duration):
+    """Lets the bed come to rest, damped."""
+    with grains.damped(DAMPING):
+        for _ in ancf.progress(duration, duration, "settle"):
+            pass
+
+
+def speed(bodies):
+    """Root of the mean square of bodies' speeds, by mass [m/s]."""
+    states = [O.bodies[i].state for i in bodies]
+    return np.sqrt(sum(s.mass * s.vel.squaredNorm() for s in states) / grains.mass(bodies))
+
+
+def settleBed(duration):
+    """Lets the lower half of the bed come to rest."""
+    O.engines = [
+        wrapper.ForceResetter(),
+        wrapper.InsertionSortCollider(
+            [wrapper.Bo1_Sphere_Aabb(), wrapper.Bo1_Box_Aabb()], verletDist=0.2 * RADIUS
+        ),
+        wrapper.InteractionLoop(
+            [wrapper.Ig2_Sphere_Sphere_ScGeom(), wrapper.Ig2_Box_Sphere_ScGeom()],
+            [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()],
+            [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()],
+        ),
+        wrapper.NewtonIntegrator(damping=0, gravity=(0, 0, -GRAVITY)),
+    ]
+    O.dt = 0.5 * RADIUS * np.sqrt(GRAIN_DENSITY / GRAIN_YOUNG)
+    settle(duration)
+
+
+def lid(height, pressure):
+    """A plate that only goes up and down; returns its id."""
+    half = (BOX[0] / 2, BOX[1] / 2, 0.02)
+    plate = utils.box((*half[:2], height + 0.02), half, material="smooth", mask=LID)
+    plate.state.mass = pressure * BOX[0] * BOX[1] / GRAVITY
+    plate.state.blockedDOFs = "xyXYZ"
+    return O.bodies.append(plate)
+
+
+def study(quick=False):
+    """Runs all; returns {(name, pressure): Pullout} and the Summary."""
+    way, out, runs = (QUICK_WAY if quick else WAY), grains.Summary(), {}
+    for kind in (Cables, Grid):
+        for pressure in PRESSURES:
+            run = Pullout(kind, pressure, quick).run(way)
+            runs[kind.name, pressure] = run
+            print(f"{kind.name}, lid of {1e-3 * pressure:g} kPa, {run.above:.0f} N above the grid")
+            out.tell("speed of grains before the pull", run.moving, "m/s", most=0.5 * SPEED)
+            out.tell(f"pull, {1e-3 * pressure:g} kPa", run.late, "N", least=0.0)
+            out.tell("over twice the weight above it", run.share, most=FRICTION)
+            out.tell("the walls bear of it", run.wallsBear / run.late)
+            if kind is Cables:
+                off = (run.gained - run.work) / run.turnover
+                out.tell(f"energy, {1e-3 * pressure:g} kPa, off by", off, least=-0.03, most=0.03)
+            run.cost.report("cost of the pull")
+        low, high = (runs[kind.name, p] for p in PRESSURES)
+        out.tell(f"{kind.name}: more weight above", high.above / low.above, "times")
+        out.tell(f"{kind.name}: more pull", high.late / low.late, "times", least=1.5, most=4.5)
+    return runs, out
+
+
+def plot(runs, path):
+    from ancf.plots import plt
+
+    figure, ax = plt.subplots(figsize=(6, 3.8), constrained_layout=True)
+    for (name, pressure), run in runs.items():
+        style = dict(color="#1f6fb2" if name == Cables.name else "#d1651a", lw=1.2)
+        style["ls"] = "--" if pressure == PRESSURES[0] else "-"
+        label = f"{name}, {1e-3 * pressure:g} kPa"
+        ax.plot(1e3 * np.array(run.way), run.force, label=label, **style)
+    ax.set_xlabel("displacement of the front row [mm]")
+    ax.set_ylabel("pull [N]")
+    ax.legend(fontsize=8)
+    ax.grid(alpha=0.3)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="smaller and shorter")
+    args = grains.options(parser)
+    runs, out = study(args.quick)
+    with open(args.out / "geogrid.csv", "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(("grid", "lid_Pa", "displacement_m", "pull_N", "walls_N"))
+        for (name, pressure), run in runs.items():
+            rows = zip(run.way, run.force, run.wall)
+            writer.writerows((name, pressure, *(f"{v:.6g}" for v in row)) for row in rows)
+    if not args.no_pictures:
+        plot(runs, args.out / "geogrid.png")
+    return out.code
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """What the scenes of cables and grains share: their options, grains, cost and summary."""
 
-import argparse
 import contextlib
 import pathlib
 import time
@@ -19,10 +18,8 @@ PARTS = {
 }
 
 
-def options(doc):
-    """--quick, --no-pictures and --out; makes the folder."""
-    parser = argparse.ArgumentParser(description=doc.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="smaller and shorter")
+def options(parser):
+    """Adds --no-pictures and --out, reads all options, and makes the folder."""
     parser.add_argument("--no-pictures", action="store_true", help="no pictures or plots")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out"), help="folder")
     args = parser.parse_args()

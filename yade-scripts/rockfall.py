@@ -5,6 +5,7 @@ into it at 10 m/s, is stopped, and falls to the ground in front of it. Run it by
 --help tells the options. Results go to out/.
 """
 
+import argparse
 import sys
 
 import numpy as np
@@ -120,9 +121,8 @@ class Stop:
         if pictures:
             from ancf.render import Film
 
-            bodies = {self.block: "#8d8371", self.ground: "#c8cdd2"}
-            self.film = Film([self.net, *self.absorbers], [*O.bodies[self.block].shape.members])
-            self.film.bodies = {i: "#8d8371" for i in self.film.bodies} | {self.ground: "#c8cdd2"}
+            balls = O.bodies[self.block].shape.members
+            self.film = Film([self.net, *self.absorbers], dict.fromkeys(balls, "#8d8371"))
         O.trackEnergy = True
         O.step()
         self.momentum, self.since = self._momentum(), O.time
@@ -175,7 +175,7 @@ def study(quick=False, pictures=False):
     cost.stop()
     total = [sum(e.values()) for e in stop.energy]
     back = O.bodies[stop.block].state.vel
-    out.tell("the block is stopped after", stop.far, "m", most=2.5)
+    out.tell("farthest place of the block, behind the net", stop.far, "m", most=2.5)
     out.tell("speed at the end, along", back[0], "m/s", least=-0.6 * SPEED, most=0.0)
     out.tell("largest force of an anchor", np.max(stop.anchors), "N")
     out.tell("energy, off by", np.abs(np.array(total) / total[0] - 1).max(), most=0.01)
@@ -215,7 +215,8 @@ def plot(stop, path):
     total = np.array([sum(e.values()) for e in stop.energy])
     right.plot(stop.time, total - gone, "k", lw=1, label="total without gravity's")
     right.set_ylabel("energy [J]")
-    right.legend(fontsize=8, loc="lower right")
+    right.set_ylim(top=1.5 * total[0])
+    right.legend(fontsize=8, loc="upper left", ncols=2)
     for ax in (left, right):
         ax.set_xlabel("time [s]")
         ax.grid(alpha=0.3)
@@ -224,13 +225,15 @@ def plot(stop, path):
 
 
 def main():
-    args = grains.options(__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="smaller and shorter")
+    args = grains.options(parser)
     stop, out = study(args.quick, not args.no_pictures)
     if stop.film:
         from ancf.render import View
 
         times = [t for t in (0.0, 0.1, 0.28, 0.8) if t <= O.time]
-        view = View((-0.55, 0.8, -0.15), tension=(0, 2000))
+        view = View((-0.55, 0.8, -0.15), tension=(0, 2000), ground=0.0)
         stop.film.strip(args.out / "rockfall.png", times, view)
         plot(stop, args.out / "rockfall_forces.png")
     return out.code
