@@ -36,7 +36,7 @@ FILL, REST, HOLD = 1.8, 0.1, 0.3  # time damped, undamped, and measured at rest 
 LOWER, DRAG, LIFT = 0.8, 0.75, 1.2  # speeds of the crane [m/s]
 ON_GROUND = 0.1  # the crane goes on down for so far once the net touches the ground [m]
 DRAG_TIME, LIFT_TIME = 0.8, 1.2  # [s]
-QUICK_HEIGHT, QUICK_TIME = 0.8, 0.4  # of the small net; part of DRAG_TIME and LIFT_TIME
+QUICK_HEIGHT, QUICK_TIME = 0.8, 0.5  # of the small net; part of DRAG_TIME and LIFT_TIME
 
 
 def build(quick=False, model="springs"):
