@@ -33,8 +33,8 @@ COUNT = 200  # grains below the grid, and as many above
 PRESSURES = (1e3, 4e3)  # of the lid [Pa]
 SPEED, WAY = 0.1, 0.015  # of the front row [m/s], [m]
 QUICK_COUNT, QUICK_WAY = 54, 0.003
-DAMPING = 0.3  # NewtonIntegrator.damping while the bed comes to rest
-SETTLE, QUICK_SETTLE = 0.45, 0.3  # time that each half takes [s]
+DAMPING, STILLING = 0.3, 0.8  # NewtonIntegrator.damping while the bed falls, and comes to rest
+SETTLE, QUICK_SETTLE = 0.4, 0.25  # time that each half takes [s]
 SAMPLE = 1e-3  # [s]
 # Masks: the grid goes through the walls, and so does the lid; GridConnections do not meet each other.
 GRID, WALLS, LID, RIBS_APART = 1, 2, 8, 4
@@ -296,9 +296,10 @@ def bed(low, count, seed):
 
 def settle(duration):
     """Lets the bed come to rest, damped."""
-    with grains.damped(DAMPING):
-        for _ in ancf.progress(duration, duration, "settle"):
-            pass
+    for part, damping in ((0.6, DAMPING), (0.4, STILLING)):
+        with grains.damped(damping):
+            for _ in ancf.progress(part * duration, part * duration, "settle"):
+                pass
 
 
 def speed(bodies):
