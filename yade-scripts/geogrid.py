@@ -224,7 +224,7 @@ class Pullout:
         O.reset()
         materials()
         front, back = walls()
-        low = bed(0.0, count, 1)
+        low = self.low = bed(0.0, count, 1)
         settleBed(2 * rest)
         self.grid = kind(grains.places(low)[:, 2].max() + 1.2 * RADIUS + RIB / 2)
         self.high = bed(grains.places(low)[:, 2].max() + 1.2 * RADIUS + RIB, count, 2)
@@ -335,13 +335,17 @@ def lid(height, pressure):
     return O.bodies.append(plate)
 
 
-def study(quick=False):
-    """Runs all; returns {(name, pressure): Pullout} and the Summary."""
+def study(quick=False, shown=None):
+    """Runs all; returns {(name, pressure): Pullout} and the Summary. shown: a picture of the net after the
+    first pull.
+    """
     way, pressures = (QUICK_WAY, PRESSURES[:1]) if quick else (WAY, PRESSURES)
     out, runs = grains.Summary(), {}
     for kind in (Cables, Grid):
         for pressure in pressures:
             run = Pullout(kind, pressure, quick).run(way)
+            if shown and not runs:
+                picture(run, shown)
             runs[kind.name, pressure] = run
             print(f"{kind.name}, lid of {1e-3 * pressure:g} kPa, {run.above:.0f} N above the grid")
             out.tell("speed of grains before the pull", run.moving, "m/s", most=0.5 * SPEED)
@@ -358,6 +362,15 @@ def study(quick=False):
         out.tell(f"{kind.name}: more weight above", high.above / low.above, "times")
         out.tell(f"{kind.name}: more pull", high.late / low.late, "times", least=1.5, most=4.5)
     return runs, out
+
+
+def picture(run, path):
+    """The net on the lower half of the bed."""
+    from ancf.render import View
+    from ancf.render import picture as draw
+
+    low = dict.fromkeys(run.low, "#a79b85")
+    draw(path, [run.grid.net], low, View((0.5, 0.75, -0.6)), size=(900, 560))
 
 
 def plot(runs, path):
@@ -381,7 +394,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="smaller and shorter")
     args = grains.options(parser)
-    runs, out = study(args.quick)
+    shown = None if args.no_pictures else args.out / "geogrid_net.png"
+    runs, out = study(args.quick, shown)
     with open(args.out / "geogrid.csv", "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(("grid", "lid_Pa", "displacement_m", "pull_N", "walls_N"))
