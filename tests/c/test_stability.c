@@ -232,14 +232,10 @@ static void extremes_give_no_step(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(element_frequency_is_the_largest),
-        cmocka_unit_test(rule_by_hand),
-        cmocka_unit_test(much_damping_leaves_a_step),
-        cmocka_unit_test(rule_is_stable_and_tight),
-        cmocka_unit_test(strain_makes_the_step_shorter),
-        cmocka_unit_test(speeds_are_compared_along_axes),
-        cmocka_unit_test(any_value_that_is_no_number_is_seen),
-        cmocka_unit_test(extremes_give_no_step),
+        cmocka_unit_test(element_frequency_is_the_largest),    cmocka_unit_test(rule_by_hand),
+        cmocka_unit_test(much_damping_leaves_a_step),          cmocka_unit_test(rule_is_stable_and_tight),
+        cmocka_unit_test(strain_makes_the_step_shorter),       cmocka_unit_test(speeds_are_compared_along_axes),
+        cmocka_unit_test(any_value_that_is_no_number_is_seen), cmocka_unit_test(extremes_give_no_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
