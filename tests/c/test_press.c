@@ -772,6 +772,32 @@ static void no_substeps_where_nothing_touches(void** state) {
     }
 }
 
+// Thrown at a wall and drawn back, a body would be where it was after a step of mean velocity 0, and yet it hits: at
+// v^2 = v0^2 - 2 a gap, if that is above 0. While it touches it is drawn back as well.
+static void what_turns_within_a_step_hits(void** state) {
+    (void)state;
+    impact s = impact_make(PLACE_BODY, 1.0);
+    const double step = 1e-3, a = 1000.0, mass = 0.2, start = 0.5 * a * step, deep = 0.5 * start * start / a;
+    for (int i = 0; i < 20; ++i) {
+        const double gap = deep * (0.05 + 0.1 * i), square = start * start - 2.0 * a * gap;
+        ancf_table_clear(s.t);
+        ancf_body body = {.acceleration = {0.0, 0.0, a}, .inv_mass = {1.0 / mass, 1.0 / mass, 1.0 / mass}};
+        const ancf_contact c = {.side = {{-1, ancf_table_add_body(s.t, &body), {0}}, {-1, -1, {0}}},
+                                .normal = {0.0, 0.0, 1.0},
+                                .gap = gap,
+                                .law = {ANCF_NORMAL_HERTZ, 1e12, 1.5, 0.0}};
+        ancf_table_add_contact(s.t, &c);
+        int stiffest;
+        assert_int_equal(ancf_table_prepare(s.t, s.b.m, s.b.v), ANCF_OK);
+        const int n = ancf_table_substeps(s.t, step, &stiffest);
+        ancf_table_press(s.t, step, n);
+        const double impulse = ancf_table_contact(s.t, 0)->impulse;
+        const double v = sqrt(fmax(square, 0.0)), lasts = v > 0.0 ? duration(&c.law, 1.0 / mass, v) : 0.0;
+        assert_near(impulse, mass * (2.0 * v - a * lasts), 0.005 * mass * start);
+    }
+    impact_free(&s);
+}
+
 // Forces beyond all numbers on one of two cables that do not feel each other: no smaller number hides them, whichever
 // of the contacts and cables they are on.
 static void not_a_number_is_told(void** state) {
@@ -824,6 +850,7 @@ int main(void) {
         cmocka_unit_test(energy_of_random_tables),           cmocka_unit_test(energy_of_long_runs),
         cmocka_unit_test(stiff_contacts_met_on_the_way),     cmocka_unit_test(ways_converge_to_the_reference),
         cmocka_unit_test(no_substeps_where_nothing_touches), cmocka_unit_test(not_a_number_is_told),
+        cmocka_unit_test(what_turns_within_a_step_hits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
