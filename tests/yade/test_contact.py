@@ -116,6 +116,30 @@ def test_cable_point_creeps_as_hollars_says(scene, model, along):
     assert creep == pytest.approx(exact, rel=1e-2)
 
 
+def test_ball_creeps_down_a_cable_as_its_weight_says(scene):
+    """On a straight held cable on a slope: mu v/v0 = tan(slope), whatever the step is."""
+    mu, v0, slope, dt = 0.3, 2e-4, 0.1, 5e-5
+    friction = dict(staticFriction=mu, kineticFriction=mu, transitionVelocity=v0)
+    material("cable", impactDamping=100.0, **friction)
+    cable = ancf.Cable([(-0.2, 0, 0), (0.2, 0, 0)], 1, diameter=2e-3, material="cable")
+    cable.clamp(0)
+    cable.clamp(-1)
+    state = O.bodies[ball((0, 0, 0.011), 0.01, mass=0.004, material="cable")].state
+    state.blockedDOFs = "yXYZ"
+    O.engines = ancf.engines(cable, gravity=(GRAVITY * slope, 0, -GRAVITY))
+    O.dt = dt
+    cable.engine.energyTolerance = (
+        math.inf
+    )  # what the ball is slowed by here is on nobody's account
+    for _ in range(2000):
+        O.step()
+        state.vel = (state.vel[0], 0, 0.99 * state.vel[2])
+    start, time = state.pos[0], O.time
+    steps(1000)
+    creep = (state.pos[0] - start) / (O.time - time)
+    assert creep == pytest.approx(v0 * slope / mu, rel=5e-3)
+
+
 def test_held_cable_point_does_not_chatter(scene):
     cable = pressedCable(force=(0.05, 0, 0), transitionVelocity=1e-3)
     O.dt = 2e-5
