@@ -20,7 +20,16 @@ import time
 import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-SOURCES = ("CMakeLists.txt", "CMakePresets.json", "plugin", "tests", "yade-scripts")
+SOURCES = (
+    "CMakeLists.txt",
+    "CMakePresets.json",
+    "LICENSE",
+    "README.md",
+    "packaging",
+    "plugin",
+    "tests",
+    "yade-scripts",
+)
 PYTHON = os.environ.get("PYTHON", "/usr/bin/python3")
 TIME = 1200  # that tests may take until they count as failed [s]
 

@@ -11,6 +11,7 @@ enum {
     PIECES_MAX = 16, // of the second cable
     LEAST_PARTS = 2, // for which a least distance is made of those of chords
     SPLITS_MAX = 2,  // of half a segment, in search of another minimum
+    SPLITS_MOST = 8, // where there may be several
     NEWTON_MAX = 16,
     ROOT_MAX = 100,
 };
@@ -113,6 +114,7 @@ typedef struct {
     const ancf_solid* solid;
     const strand* other;
     bool convex;   // the distance from it is a convex function of the point
+    double detail; // size of what else makes minima [m]
     double speed;  // at least |r'| [m]
     double bend;   // at least |r''| [m]
     double margin; // rounding of a distance [m]
@@ -225,12 +227,15 @@ static double floor_of(const field* f, const spot* a, const spot* b) {
     return higher(lipschitz, higher(from_a, from_b));
 }
 
+// Whether a field may have several minima within x.
+ANCF_INLINE bool several(const field* f, double x) { return f->bend * x > 0.4 * f->speed || f->speed * x > f->detail; }
+
 static void explore(spot* best, const field* f, const spot* a, const spot* b, double limit, int splits) {
     const double x = b->t - a->t;
     if (!(floor_of(f, a, b) < lower(limit, best->value - 1e-9 * f->speed * x))) return;
     const bool turns = a->slope * x < -f->margin && b->slope * x > f->margin;
     // A groove has two walls.
-    const bool bent = f->bend * x > 0.4 * f->speed || (f->to == TO_SOLID && !f->convex && splits > 1);
+    const bool bent = several(f, x) || (f->to == TO_SOLID && !f->convex && splits > 1);
     if (turns && (!bent || splits == 0)) {
         const spot s = valley(f, *a, *b);
         if (s.value <= best->value + f->margin) *best = s;
@@ -243,12 +248,25 @@ static void explore(spot* best, const field* f, const spot* a, const spot* b, do
     explore(best, f, &middle, b, limit, splits - 1);
 }
 
+// Until no part has several minima. Seldom needed, and so by itself.
+__attribute__((noinline, cold)) static void explore_deeper(spot* best, const field* f, const spot* a, const spot* b,
+                                                           double limit, int splits) {
+    for (double x = ldexp(b->t - a->t, -splits); splits < SPLITS_MOST && several(f, x); x *= 0.5) ++splits;
+    explore(best, f, a, b, limit, splits);
+}
+
 // Smallest value between two spots. What ties to rounding is held in the middle.
 static spot search(const field* f, const spot* a, const spot* b, double limit, int splits) {
-    const spot middle = probe(f, a->t + 0.5 * (b->t - a->t));
+    const double x = 0.5 * (b->t - a->t);
+    const spot middle = probe(f, a->t + x);
     spot best = middle;
     if (a->value < best.value - f->margin) best = *a;
     if (b->value < best.value - f->margin) best = *b;
+    if (several(f, x / (1 << splits))) {
+        explore_deeper(&best, f, a, &middle, limit, splits);
+        explore_deeper(&best, f, &middle, b, limit, splits);
+        return best;
+    }
     explore(&best, f, a, &middle, limit, splits);
     explore(&best, f, &middle, b, limit, splits);
     return best;
@@ -310,7 +328,7 @@ static spot nearest_in(const power* p, const piece* s, double along, double limi
         best.value = sqrt(dot(r, r));
         return best;
     }
-    field f = {.to = TO_POINT, .cubic = *p, .convex = true};
+    field f = {.to = TO_POINT, .cubic = *p, .convex = true, .detail = INFINITY};
     f.speed = (length + 0.5 * s->bend) / s->step;
     f.bend = s->bend / (s->step * s->step);
     f.margin = 4.0 * DBL_EPSILON * (length + s->bend + limit);
@@ -494,6 +512,7 @@ int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segment
     if (!(cheap_bound(cable, solid) < limit)) return 0;
     static const double origin[3] = {0.0, 0.0, 0.0};
     field f = {.to = TO_SOLID, .solid = solid, .cubic = expand(cable, origin), .convex = solid->kind != ANCF_WHEEL};
+    f.detail = f.convex ? INFINITY : solid->groove->floor + solid->groove->fillet;
     f.speed = speed_of(cable);
     f.bend = bend_of(&f.cubic);
     if (solid->kind == ANCF_BOX) {
@@ -540,7 +559,7 @@ static double chords_square(double along[2], const piece* a, const piece* b) {
                  aw = dot(a->chord, way), bw = dot(b->chord, way), det = aa * bb - ab * ab;
     double s = det > 1e-12 * aa * bb ? clamp((ab * bw - aw * bb) / det, 0.0, 1.0) : 0.5;
     double t = bb > 0.0 ? (ab * s + bw) / bb : 0.0;
-    if (!(t >= 0.0 && t <= 1.0)) {
+    if (!(bb > 0.0 && t >= 0.0 && t <= 1.0)) {
         t = clamp(t, 0.0, 1.0);
         s = aa > 0.0 ? clamp((ab * t - aw) / aa, 0.0, 1.0) : 0.0;
     }
@@ -606,6 +625,7 @@ typedef struct {
     strand other;
     double bend;   // of the first, at least |r''| [m]
     double speed;  // of the first, at least |r'| [m]
+    double turn;   // of the other, length within which it hardly turns [m]
     double margin; // rounding of a distance [m]
     double limit;  // distance below which a place counts [m]
     double far;    // distance up to which pieces have to be convex for a fast search [m]
@@ -642,8 +662,13 @@ static spot nearest_pair(const crossing* x, const piece* a) {
         bound[j] = INFINITY;
     }
     // Nearly parallel or strongly bent: along the first only.
-    const field f = {
-        .to = TO_CUBIC, .cubic = *first, .other = other, .speed = x->speed, .bend = x->bend, .margin = x->margin};
+    const field f = {.to = TO_CUBIC,
+                     .cubic = *first,
+                     .other = other,
+                     .detail = x->turn,
+                     .speed = x->speed,
+                     .bend = x->bend,
+                     .margin = x->margin};
     const spot low = probe(&f, a->low), high = probe(&f, a->high);
     const double below = lower(best.value, limit);
     if (!(floor_of(&f, &low, &high) < below)) return best;
@@ -700,6 +725,8 @@ static void prepare(crossing* x, const ancf_cubic* first, int segments, const an
     const double bend2 = bend_of(&x->other.cubic);
     x->bend = bend_of(&x->first);
     x->speed = speed_of(first);
+    const double speed2 = speed_of(second);
+    x->turn = bend2 > 0.0 ? 0.2 * speed2 * speed2 / bend2 : INFINITY;
     x->limit = limit;
     x->far = far;
     x->other.n = segments < PIECES_MAX ? segments : PIECES_MAX;

@@ -75,7 +75,7 @@ double ancf_critical_step(const ancf_model* m, double strain, int* element) {
     const double stiffening = sqrt(1.0 + 3.0 * fmax(strain, 0.0));
     for (int e = 0; e < m->n_elements; ++e) {
         const double w = ancf_element_frequency(&m->element[e]) * stiffening, z = 0.5 * m->element[e].damping * w;
-        const double step = 0.9 * (2.0 / w) * (sqrt(1.0 + z * z) - z);
+        const double step = 0.9 * (2.0 / w) / (sqrt(1.0 + z * z) + z); // as sqrt(1 + z^2) - z, which would cancel
         if (step >= least) continue;
         least = step;
         *element = e;

@@ -235,6 +235,7 @@ namespace {
         all.size("crossPairs", c.crossPairs, 3 * n, "three for each contact");
         all.size("crossValues", c.crossValues, 9 * n, "nine for each contact of crossPairs");
         all.finiteEach("crossValues", c.crossValues);
+        all.finiteEach("openAccounts", c.openAccounts);
         all.finiteEach("watched", c.watched);
         all.finiteEach("balance", c.balance);
     }

@@ -175,11 +175,13 @@ void CableEngine::judgeBalance(Real found) {
     const Real strain = ancf_strain_max(model.get(), model->x, &element);
     string where = byContacts ? touching.mostFound() : string();
     if (where.empty()) where = text("element ", element, ", which has the largest strain, ", strain);
+    const string loseMore =
+        implicit && spectralRadius > 0 ? text("a spectralRadius below ", spectralRadius, ", ") : string();
     refuse(text("at iteration ", scene->iter, " the energy is out of balance: ", std::abs(amount), " J were ",
                 amount < 0 ? "lost" : "gained", ", ", 100 * std::abs(amount) / energyScale, " % of ", energyScale,
                 " J, most likely by ", where, ". The step O.dt = ", scene->dt,
-                " s is too long for that: use O.dt = ", scene->dt / 2,
-                " s, or damping (energyTolerance = ", energyTolerance, " is the share allowed; inf: no watch)"));
+                " s is too long for that: use O.dt = ", scene->dt / 2, " s, ", loseMore,
+                "or damping (energyTolerance = ", energyTolerance, " is the share allowed; inf: no watch)"));
 }
 
 // ---------------------------------------------------------------- booked in steps

@@ -149,7 +149,9 @@ void CableEngine::postLoad(CableEngine&) {
     standsFor.clear();
     carried.clear();
     followed.clear();
+    vector<Real> open = std::move(openAccounts); // they go on
     changed();
+    openAccounts = std::move(open);
     needSound();
     if (crossPairs.empty()) return;
     touching.remember(crossPairs, crossValues);

@@ -67,7 +67,11 @@ bool Drive::prepared(const Scene& scene) const {
 }
 
 int Drive::numberOf(const Body& body) const {
-    return sound && body.id < static_cast<int>(numberOfBody.size()) ? numberOfBody[body.id] : -1;
+    if (!sound) return -1;
+    if (body.id < static_cast<int>(numberOfBody.size())) return numberOfBody[body.id];
+    const vector<Body::id_t>& ids = bodies(); // before a first step, and of bodies that came after the last
+    const auto found = std::find(ids.begin(), ids.end(), body.id);
+    return found == ids.end() ? -1 : static_cast<int>(found - ids.begin());
 }
 
 void checkDriven(const Scene& scene, Body::id_t id, const string& name) {

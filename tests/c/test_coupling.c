@@ -383,6 +383,46 @@ static void many_couplings_hold(void** state) {
     }
 }
 
+// A cable of which nothing is free holds a body at a point: all of the point's velocity is gone, and the spin about it
+// stays.
+static void nothing_is_free(void** state) {
+    (void)state;
+    const ancf_element all = {.length = 1.0, .ea = 1.0, .rho_a = 0.1};
+    uint64_t seed = 78;
+    built b = build_cable(1, all, 0);
+    for (int i = 0; i < b.n_dof; ++i) b.hold[i] = ANCF_HELD;
+    build_finish(&b);
+    solid s = random_solid(&seed, 0.3, 1e-3);
+    ancf_body* body = &s.body;
+    body->position[0] = 1.1;
+    random_vector(body->velocity, &seed, 1.0);
+    random_vector(body->spin, &seed, 5.0);
+    ancf_table* t;
+    assert_int_equal(ancf_table_create(&t, b.m), ANCF_OK);
+    ancf_table_clear(t);
+    ancf_coupling c = {
+        .body = ancf_table_add_body(t, body), .place = ancf_table_add_knot(t, b.m, 1), .arm = {-0.1, 0.0, 0.0}};
+    ancf_table_add_coupling(t, &c);
+    double* v = velocity_before(&b);
+    assert_int_equal(ancf_table_prepare(t, b.m, v), ANCF_OK);
+    ancf_table_couple(t, 1e-4);
+    ancf_table_apply(t, b.m, 1e-4, v, v + 3 * b.stride);
+    const ancf_body* after = ancf_table_body(t, 0);
+    double point[3], more[3], about[2][3];
+    body_point_velocity(point, after, c.arm);
+    assert_true(norm(point) < 1e-14);
+    for (int k = 0; k < 2; ++k) { // angular momentum about the knot
+        const ancf_body* is = k ? after : body;
+        const double way[3] = {0.1, 0.0, 0.0};
+        cross(more, way, is->velocity);
+        for (int i = 0; i < 3; ++i) about[k][i] = s.mass * more[i] + dot(s.inertia + 3 * i, is->spin);
+    }
+    for (int i = 0; i < 3; ++i) assert_near(about[1][i], about[0][i], 1e-14);
+    ancf_table_destroy(t);
+    free(v);
+    build_free(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(couplings_hold),
@@ -391,6 +431,7 @@ int main(void) {
         cmocka_unit_test(coupling_gives_no_energy),
         cmocka_unit_test(contacts_keep_couplings),
         cmocka_unit_test(many_couplings_hold),
+        cmocka_unit_test(nothing_is_free),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

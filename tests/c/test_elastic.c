@@ -372,6 +372,10 @@ static void tension_of_a_stretched_cable(void** state) {
         int at = -1;
         assert_close(ancf_strain_max(b.m, b.x, &at), strain, 1e-13);
         assert_in_range(at, 0, 2);
+        for (int i = 0; i < 3 * b.stride; ++i) b.x[i] = NAN;
+        at = -1;
+        ancf_strain_max(b.m, b.x, &at);
+        assert_in_range(at, 0, 2);
         free(f);
         build_free(&b);
     }

@@ -415,6 +415,39 @@ static void a_step_that_fails(void** state) {
     build_free(&b);
 }
 
+// The same with a held node at which no element ends, the last of all; and one that is led nowhere is no number.
+static void a_node_without_elements(void** state) {
+    (void)state;
+    const ancf_element all = {.length = 1.0, .ea = 30.0, .ei = 0.02, .rho_a = 0.4};
+    built b = build_start(4, 2, all);
+    for (int i = 0; i < 3; ++i) b.x[i] = (double)i;
+    for (int e = 0; e < 2; ++e)
+        for (int k = 0; k < 2; ++k) b.ends[2 * e + k] = e + k;
+    b.hold[0] = b.hold[3] = ANCF_HELD;
+    build_slopes(&b);
+    build_finish(&b);
+    const size_t size = 3 * (size_t)b.stride * sizeof(double);
+    double* x = malloc(size);
+    stepper run = start(&b, 0.8);
+    steps(&run, &b, 1e-3, 3);
+    memcpy(x, b.x, size);
+    const double wrong[3] = {NAN, INFINITY, 1e300};
+    for (int k = 0; k < 3; ++k) {
+        double* where = k < 2 ? &b.m->held[2 * b.stride + 3] : &b.m->external[b.stride + 2];
+        *where = wrong[k];
+        run.time.step = 1e-3;
+        assert_int_equal(ancf_implicit_step(run.s, b.m, run.a, &run.time, 1), ANCF_E_STEP);
+        assert_memory_equal(b.x, x, size);
+        assert_in_range(run.s->element, 0, 1);
+        *where = 0.0;
+    }
+    assert_int_equal(run.s->element, 1); // where the force was
+    steps(&run, &b, 1e-3, 3);
+    free(x);
+    stop(&run);
+    build_free(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(recursion_of_an_oscillator),
@@ -430,6 +463,7 @@ int main(void) {
         cmocka_unit_test(nothing_is_free),
         cmocka_unit_test(resumes_to_the_bit),
         cmocka_unit_test(a_step_that_fails),
+        cmocka_unit_test(a_node_without_elements),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -404,6 +404,22 @@ static void bad_models_are_refused(void** state) {
         assert_null(m);
         build_free(&b);
     }
+    for (int held = 0; held < 2; ++held) { // no element ends at node 2
+        built b = build_start(4, 2, good);
+        const int ends[] = {0, 1, 1, 3};
+        memcpy(b.ends, ends, sizeof ends);
+        for (int i = 0; i < 4; ++i) b.x[i] = (double)i;
+        build_slopes(&b);
+        b.hold[2] = held ? ANCF_HELD : ANCF_FREE;
+        b.def.element = b.element;
+        b.def.ends = b.ends;
+        b.def.next = b.next;
+        b.def.hold = b.hold;
+        int where = -1;
+        assert_int_equal(ancf_model_create(&b.m, &b.def, b.x, b.v, &where), held ? ANCF_OK : ANCF_E_LOOSE);
+        if (!held) assert_int_equal(where, 2);
+        build_free(&b);
+    }
     built b = build_cable(1, good, 0);
     b.def.n_elements = 0;
     ancf_model* m = NULL;

@@ -195,8 +195,24 @@ static void what_is_right_stays(void** state) {
     assert_int_equal(ancf_rubbing_solve(P, v, &left, 2, contact, W, 1e-12, scratch), 0);
 }
 
+// A slip that is not a number leaves no number, wherever it stands: it is not taken for a small one.
+static void not_a_number_is_left(void** state) {
+    (void)state;
+    static heap h;
+    uint64_t seed = 9;
+    for (int run = 0; run < 60; ++run) {
+        double left = 0.0;
+        make(&h, &seed, 3, 2, 10.0);
+        start(&h, &seed, 0.5);
+        h.v[run % 6] = h.v0[run % 6] = NAN;
+        ancf_rubbing_solve(h.P, h.v, &left, h.n, h.contact, h.W, 1e-10 * h.bound, scratch);
+        assert_false(left <= 1e-3 * h.bound);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(not_a_number_is_left),
         cmocka_unit_test(friction_belongs_to_the_slip),
         cmocka_unit_test(in_a_plane_nothing_acts_across),
         cmocka_unit_test(contacts_at_one_place_are_one),

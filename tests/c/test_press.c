@@ -752,6 +752,7 @@ static void no_substeps_where_nothing_touches(void** state) {
             before[k] = c->gap = 1e-9 + fmax(0.0, -rate[k] * step);
         }
         assert_int_equal(ancf_table_substeps(s.t, step, &stiffest), 0);
+        assert_in_range(stiffest, 0, s.n_contacts - 1);
         ancf_table_press(s.t, step, 0);
         ancf_table_apply(s.t, s.b.m, step, s.b.v, s.shift);
         for (int k = 0; k < s.n_contacts; ++k) {
@@ -771,12 +772,85 @@ static void no_substeps_where_nothing_touches(void** state) {
     }
 }
 
+// Thrown at a wall and drawn back, a body would be where it was after a step of mean velocity 0, and yet it hits: at
+// v^2 = v0^2 - 2 a gap, if that is above 0. While it touches it is drawn back as well.
+static void what_turns_within_a_step_hits(void** state) {
+    (void)state;
+    impact s = impact_make(PLACE_BODY, 1.0);
+    const double step = 1e-3, a = 1000.0, mass = 0.2, start = 0.5 * a * step, deep = 0.5 * start * start / a;
+    for (int i = 0; i < 20; ++i) {
+        const double gap = deep * (0.05 + 0.1 * i), square = start * start - 2.0 * a * gap;
+        ancf_table_clear(s.t);
+        ancf_body body = {.acceleration = {0.0, 0.0, a}, .inv_mass = {1.0 / mass, 1.0 / mass, 1.0 / mass}};
+        const ancf_contact c = {.side = {{-1, ancf_table_add_body(s.t, &body), {0}}, {-1, -1, {0}}},
+                                .normal = {0.0, 0.0, 1.0},
+                                .gap = gap,
+                                .law = {ANCF_NORMAL_HERTZ, 1e12, 1.5, 0.0}};
+        ancf_table_add_contact(s.t, &c);
+        int stiffest;
+        assert_int_equal(ancf_table_prepare(s.t, s.b.m, s.b.v), ANCF_OK);
+        const int n = ancf_table_substeps(s.t, step, &stiffest);
+        ancf_table_press(s.t, step, n);
+        const double impulse = ancf_table_contact(s.t, 0)->impulse;
+        const double v = sqrt(fmax(square, 0.0)), lasts = v > 0.0 ? duration(&c.law, 1.0 / mass, v) : 0.0;
+        assert_near(impulse, mass * (2.0 * v - a * lasts), 0.005 * mass * start);
+    }
+    impact_free(&s);
+}
+
+// Forces beyond all numbers on one of two cables that do not feel each other: no smaller number hides them, whichever
+// of the contacts and cables they are on.
+static void not_a_number_is_told(void** state) {
+    (void)state;
+    for (int run = 0; run < 8; ++run) {
+        const int which = run % 4, rubbing = run / 4;
+        built b = build_start(4, 2, (ancf_element) {.length = 1.0, .ea = 1.0, .rho_a = 1.0});
+        for (int i = 0; i < 4; ++i) {
+            b.x[i] = (double)i;
+            b.ends[i] = i;
+        }
+        build_slopes(&b);
+        build_finish(&b);
+        ancf_table* t;
+        assert_int_equal(ancf_table_create(&t, b.m), ANCF_OK);
+        ancf_table_clear(t);
+        for (int i = 0; i < 4; ++i) {
+            ancf_body body = {.position = {2.0 * (i / 2) + 0.5, 0.0, -0.01}, .velocity = {0.1, 0.0, 1.0}};
+            for (int k = 0; k < 3; ++k) body.inv_mass[k] = 10.0;
+            ancf_contact c = {
+                .side = {{ancf_table_add_place(t, b.m, i / 2, 0.5), -1, {0}}, {-1, ancf_table_add_body(t, &body), {0}}},
+                .normal = {0.0, 0.0, 1.0},
+                .gap = -1e-5,
+                .law = {ANCF_NORMAL_HERTZ, 1e6, 1.5, 0.0},
+                .rub = {ANCF_FRICTION_HOLLARS, 0.3, 0.2, 1e-3}};
+            if (i == which && rubbing) c.friction[0] = INFINITY;
+            if (i == which && !rubbing) {
+                c.law.stiffness = 1e300;
+                c.gap = -1e10;
+            }
+            ancf_table_add_contact(t, &c);
+        }
+        int stiffest = -7;
+        double left = 0.0;
+        assert_int_equal(ancf_table_prepare(t, b.m, b.v), ANCF_OK);
+        ancf_table_substeps(t, 1e-5, &stiffest);
+        assert_in_range(stiffest, 0, 3);
+        const double pressed = ancf_table_press(t, 1e-5, 4);
+        ancf_table_rub(t, 1e-5, &left);
+        assert_true(isnan(rubbing ? left : pressed));
+        if (!rubbing) assert_int_equal(stiffest, which);
+        ancf_table_destroy(t);
+        build_free(&b);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(single_impacts_bounce_by_theory),   cmocka_unit_test(momentum_is_exact),
         cmocka_unit_test(energy_of_random_tables),           cmocka_unit_test(energy_of_long_runs),
         cmocka_unit_test(stiff_contacts_met_on_the_way),     cmocka_unit_test(ways_converge_to_the_reference),
-        cmocka_unit_test(no_substeps_where_nothing_touches),
+        cmocka_unit_test(no_substeps_where_nothing_touches), cmocka_unit_test(not_a_number_is_told),
+        cmocka_unit_test(what_turns_within_a_step_hits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -90,6 +90,36 @@ static void contact_turns_with_the_axis(void** state) {
     }
 }
 
+// The normal is where the depth falls fastest: by as much as the ball moves along it, on either side of the groove.
+static void normal_is_the_gradient(void** state) {
+    (void)state;
+    const double axis[3] = {0.0, 0.6, 0.8}, h = 1e-7;
+    uint64_t seed = 10;
+    int sides[2] = {0, 0};
+    for (int i = 0; i < 2000; i++) {
+        double p[3];
+        for (int c = 0; c < 3; c++) p[c] = random_between(&seed, -0.055, 0.055);
+        ancf_groove_contact now, up, down;
+        ancf_groove_touch(&now, &flanged, axis, p, 0.003);
+        const double z = p[1] * axis[1] + p[2] * axis[2];
+        if (fabs(now.depth) > 0.002 || fabs(z) < 2.0 * h) continue;
+        double gradient[3];
+        for (int c = 0; c < 3; c++) {
+            double q[3] = {p[0], p[1], p[2]};
+            q[c] += h;
+            ancf_groove_touch(&up, &flanged, axis, q, 0.003);
+            q[c] -= 2.0 * h;
+            ancf_groove_touch(&down, &flanged, axis, q, 0.003);
+            gradient[c] = (up.depth - down.depth) / (2.0 * h);
+        }
+        const double size = sqrt(gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2]);
+        if (fabs(size - 1.0) > 1e-5) continue; // across a ridge
+        for (int c = 0; c < 3; c++) assert_near(now.normal[c], -gradient[c], 1e-5);
+        sides[z < 0.0]++;
+    }
+    assert_true(sides[0] > 10 && sides[1] > 10);
+}
+
 static void planar_stays_planar(void** state) {
     (void)state;
     const double axis[3] = {0.0, 1.0, 0.0};
@@ -138,10 +168,10 @@ static void dry_friction_holds(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(grooves_are_checked), cmocka_unit_test(distances_by_hand),
-        cmocka_unit_test(distance_is_smooth),  cmocka_unit_test(contact_turns_with_the_axis),
-        cmocka_unit_test(planar_stays_planar), cmocka_unit_test(rotor_runs_down),
-        cmocka_unit_test(dry_friction_holds),
+        cmocka_unit_test(grooves_are_checked),    cmocka_unit_test(distances_by_hand),
+        cmocka_unit_test(distance_is_smooth),     cmocka_unit_test(contact_turns_with_the_axis),
+        cmocka_unit_test(normal_is_the_gradient), cmocka_unit_test(planar_stays_planar),
+        cmocka_unit_test(rotor_runs_down),        cmocka_unit_test(dry_friction_holds),
     };
     return cmocka_run_group_tests_name("sheave", tests, NULL, NULL);
 }

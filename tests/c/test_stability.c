@@ -83,6 +83,18 @@ static void rule_by_hand(void** state) {
     build_free(&b);
 }
 
+// So much damping that h w -> 0.9/z: w = 10 sqrt(1 + 3 strain) as above, z = 0.075 w.
+static void much_damping_leaves_a_step(void** state) {
+    (void)state;
+    built b = build_cable(1, (ancf_element) {.kind = ANCF_SPRING, .length = 1.0, .ea = 25.0, .rho_a = 1.0}, 0);
+    b.element[0].damping = 0.15;
+    build_finish(&b);
+    int at = -1;
+    for (double strain = 1e10; strain < 1e20; strain *= 10.0)
+        assert_close(ancf_critical_step(b.m, strain, &at), 0.9 / (0.075 * 100.0 * (1.0 + 3.0 * strain)), 1e-9);
+    build_free(&b);
+}
+
 // Largest speed that a small nudge has grown to after some thousand steps, over that at the start.
 static double growth(built* b, double factor, int steps) {
     uint64_t seed = 31;
@@ -220,13 +232,10 @@ static void extremes_give_no_step(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(element_frequency_is_the_largest),
-        cmocka_unit_test(rule_by_hand),
-        cmocka_unit_test(rule_is_stable_and_tight),
-        cmocka_unit_test(strain_makes_the_step_shorter),
-        cmocka_unit_test(speeds_are_compared_along_axes),
-        cmocka_unit_test(any_value_that_is_no_number_is_seen),
-        cmocka_unit_test(extremes_give_no_step),
+        cmocka_unit_test(element_frequency_is_the_largest),    cmocka_unit_test(rule_by_hand),
+        cmocka_unit_test(much_damping_leaves_a_step),          cmocka_unit_test(rule_is_stable_and_tight),
+        cmocka_unit_test(strain_makes_the_step_shorter),       cmocka_unit_test(speeds_are_compared_along_axes),
+        cmocka_unit_test(any_value_that_is_no_number_is_seen), cmocka_unit_test(extremes_give_no_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

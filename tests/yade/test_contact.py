@@ -20,6 +20,7 @@ from helpers import (
     squareNet,
     steps,
 )
+from yade import Quaternion
 
 GRAVITY = 9.81
 
@@ -114,6 +115,61 @@ def test_cable_point_creeps_as_hollars_says(scene, model, along):
     steps(5000)
     creep = np.linalg.norm((array(cable.point(0.5)) - start)[:2]) / (O.time - time)
     assert creep == pytest.approx(exact, rel=1e-2)
+
+
+def test_ball_creeps_down_a_cable_as_its_weight_says(scene):
+    """On a straight held cable on a slope: mu v/v0 = tan(slope), whatever the step is."""
+    mu, v0, slope, dt = 0.3, 2e-4, 0.1, 5e-5
+    friction = dict(staticFriction=mu, kineticFriction=mu, transitionVelocity=v0)
+    material("cable", impactDamping=100.0, **friction)
+    cable = ancf.Cable([(-0.2, 0, 0), (0.2, 0, 0)], 1, diameter=2e-3, material="cable")
+    cable.clamp(0)
+    cable.clamp(-1)
+    state = O.bodies[ball((0, 0, 0.011), 0.01, mass=0.004, material="cable")].state
+    state.blockedDOFs = "yXYZ"
+    O.engines = ancf.engines(cable, gravity=(GRAVITY * slope, 0, -GRAVITY))
+    O.dt = dt
+    cable.engine.energyTolerance = (
+        math.inf
+    )  # what the ball is slowed by here is on nobody's account
+    for _ in range(2000):
+        O.step()
+        state.vel = (state.vel[0], 0, 0.99 * state.vel[2])
+    start, time = state.pos[0], O.time
+    steps(1000)
+    creep = (state.pos[0] - start) / (O.time - time)
+    assert creep == pytest.approx(v0 * slope / mu, rel=5e-3)
+
+
+def test_cable_holds_the_axis_of_a_body_out_of_balance(scene):
+    """A ball that spins about a fixed centre, w about z, its axis of inertia tilted: w^2 Ixz has to come from friction at
+    its pole, F on an arm that goes round with it. The pole slips at v0 F/(mu N).
+    """
+    mu, v0, w, tilt, radius, thick, depth = 0.3, 1e-3, 50.0, 0.3, 0.01, 1e-3, 1e-5
+    friction = dict(staticFriction=mu, kineticFriction=mu, transitionVelocity=v0)
+    material("cable", **friction)
+    arm = radius + thick - depth  # forces act at the centreline
+    cable = ancf.Cable([(-0.2, 0, arm), (0.2, 0, arm)], 1, diameter=2 * thick, material="cable")
+    cable.clamp(0)
+    cable.clamp(-1)
+    body = O.bodies[ball((0, 0, 0), radius, mass=0.004, material="cable")]
+    body.aspherical, state = True, body.state
+    state.blockedDOFs = "xyz"
+    inertia = np.array([1e-6, 1e-6, 1.5e-6])
+    state.inertia = Vector3(*inertia)
+    state.ori, state.angVel = Quaternion((0, 1, 0), tilt), (0, 0, w)
+    axes = np.array(
+        [[math.cos(tilt), 0, math.sin(tilt)], [0, 1, 0], [-math.sin(tilt), 0, math.cos(tilt)]]
+    )
+    tensor = axes @ np.diag(inertia) @ axes.T
+    state.angMom = Vector3(*(w * tensor[:, 2]))
+    O.engines = ancf.engines(cable)
+    O.dt = 2e-5
+    steps(1000)
+    pressed = -(cable.reaction(0)[2] + cable.reaction(-1)[2])
+    slip = v0 * w**2 * abs(tensor[0, 2]) / arm / (mu * pressed)
+    assert 0.1 * v0 < slip < 0.5 * v0
+    assert math.hypot(*array(state.angVel)[:2]) * arm == pytest.approx(slip, rel=5e-3)
 
 
 def test_held_cable_point_does_not_chatter(scene):

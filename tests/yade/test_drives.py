@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ancf import pulleys
-from helpers import O, Vector3, ancf, material, steps, utils
+from helpers import O, Vector3, ancf, ball, bodyEngines, hertz, material, plane, steps, utils
 from yade import wrapper
 
 G = 9.81
@@ -30,6 +30,37 @@ def alone(engine, gravity=(0, 0, 0), dt=1e-4):
 def cable(points=((0, 0, 0), (1, 0, 0)), young=1e8):
     material("cable", young=young, density=1000)
     return ancf.Cable(points, 4, diameter=1e-3, material="cable", contactPoints=0)
+
+
+# ---- what others are told of it ------------------------------------------------------------------
+
+
+def test_contact_step_knows_the_guide_at_any_time(scene):
+    """A ball on a guide towards a plane, and nothing else moves: a seventh of 2.94 (1.25 m v^2/k)^0.4/v. Before the
+    first step, after it, and after loading.
+    """
+    material("m", young=1e7, density=1000, impactDamping=0)
+    mass, speed, radius = 2.0, 3.0, 0.01
+    plane((0, 0, -0.1), (1, 1, 0.1), material="m")
+    number = ball((0, 0, 2 * radius), radius, mass=mass, material="m")
+    guide = ancf.GuideEngine()
+    guide.add(number, direction=(0, 0, 1))
+    O.engines = bodyEngines()
+    O.engines = O.engines[:-1] + [guide] + O.engines[-1:]
+    O.dt = 1e-6
+    k = hertz(radius, 1e7, 0.3, 1e7, 0.3)
+    exact = 2.9432 * (1.25 * speed**2 * mass / k) ** 0.4 / speed / 7
+
+    def told():
+        loop = next(e for e in O.engines if isinstance(e, wrapper.InteractionLoop))
+        return loop.lawDispatcher.functors[0].contactTimeStep(speed)
+
+    assert told() == pytest.approx(exact, rel=1e-3)
+    steps(2)
+    assert told() == pytest.approx(exact, rel=1e-3)
+    O.saveTmp()
+    O.loadTmp()
+    assert told() == pytest.approx(exact, rel=1e-3)
 
 
 # ---- setMotion ---------------------------------------------------------------------------------

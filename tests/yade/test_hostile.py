@@ -280,6 +280,7 @@ def attributes(kind):
         found += [
             ("crossPairs", [0, 1]),
             ("crossValues", [NAN] * 9),
+            ("openAccounts", [NAN] * 8),
             ("crossPairs", [0, 1, 0]),
             ("watched", [NAN] * 6),
         ]

@@ -237,3 +237,41 @@ def test_step_that_does_not_converge_is_named(scene):
     with pytest.raises(RuntimeError, match="O.dt = 0.001 s does not converge.*element 11"):
         O.step()
     assert list(c.engine.position) == before and c.engine.rejectedSteps == 11
+
+
+def looseLoop(spectralRadius):
+    """A loop without bending stiffness that is given waves which its step does not resolve."""
+    material("cable")
+    turn = 2 * math.pi * np.arange(12) / 12
+    corners = 0.1 * np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    loop = ancf.Cable(
+        corners,
+        2,
+        diameter=2e-3,
+        material="cable",
+        bending=0,
+        mass="consistent",
+        closed=True,
+        contactPoints=0,
+    )
+    loop.setVelocity(lambda p: (0, math.sin(40 * p[0]), 1 + math.sin(90 * p[1])))
+    O.engines = ancf.engines(loop, integrator="implicit")
+    O.dt = 1e-3
+    loop.engine.spectralRadius = spectralRadius
+    return loop
+
+
+def test_waves_that_are_not_resolved_are_told_with_what_helps(scene):
+    """Generalised-alpha may gain energy where strains are large; it does not at half the step or with more loss."""
+    looseLoop(0.9)
+    with pytest.raises(
+        RuntimeError, match="gained.* use O.dt = 0.0005 s, a spectralRadius below 0.9, or damping"
+    ):
+        steps(150)
+    for radius, dt in ((0.8, 1e-3), (0.9, 5e-4)):
+        O.reset()
+        loop = looseLoop(radius)
+        O.dt = dt
+        start = sum(loop.energy().values())
+        steps(round(0.15 / dt))
+        assert sum(loop.energy().values()) < start

@@ -59,6 +59,28 @@ def test_saved_in_memory_goes_on_bit_for_bit(scene):
     assert state(net) == there
 
 
+@pytest.mark.parametrize("integrator", ["leapfrog", "implicit"])
+def test_tracked_energies_go_on_bit_for_bit(scene, integrator):
+    """What a step has not counted yet (damping, lift) is counted by the first one after loading."""
+
+    def energies():
+        return repr(sorted(O.energy.items()))
+
+    material("cable")
+    net = squareNet(2, 0.06, mass="lumped", damping=5e-5, contactPoints=0)
+    net.setVelocity(lambda p: (30 * p[1], 0, 0))
+    net.carry(0, ball(net.knots[0], 0.01, mass=0.02, mask=0))
+    O.engines = ancf.engines(net, gravity=(0, 0, -9.81), integrator=integrator)
+    O.trackEnergy = True
+    steps(20)
+    O.saveTmp()
+    steps(20)
+    there = energies()
+    O.loadTmp()
+    steps(20)
+    assert energies() == there
+
+
 def test_reload_from_the_start(scene):
     material("cable")
     net = squareNet(2, 0.06, fold=0.8)
