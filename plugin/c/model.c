@@ -286,6 +286,16 @@ void ancf_model_mean_at(double value[3], const ancf_model* m, const double* fiel
     }
 }
 
+int ancf_model_twin(const ancf_model* m, int dof) {
+    const int k = dof - m->n_nodes, n = m->n_elements;
+    if (k < 0) return -1;
+    if (k >= n) return m->next[k - n] < 0 ? -1 : m->n_nodes + m->next[k - n];
+    const int node = m->ends[2 * k];
+    for (int i = m->first[node]; i < m->first[node + 1]; ++i)
+        if (m->at[i] & 1 && m->next[m->at[i] >> 1] == k) return m->n_nodes + n + (m->at[i] >> 1);
+    return -1;
+}
+
 void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi) {
     double power[3];
     ancf_powers(power, xi);

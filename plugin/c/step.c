@@ -99,20 +99,26 @@ void ancf_rk4(ancf_model* m, double step) {
     m->damping_work -= step * damping;
 }
 
+// Adds what an element's mass takes to be accelerated at one of its unknowns.
+static void add_inertia(double force[3], const ancf_model* m, int e, int dof) {
+    double M[4][4];
+    int of[4];
+    ancf_model_dofs(of, m, e);
+    for (int i = 0; i < 4; ++i) {
+        if (of[i] != dof) continue;
+        ancf_mass_element(M, &m->element[e]);
+        for (int j = 0; j < 4; ++j)
+            for (int c = 0; c < 3; ++c) force[c] += M[i][j] * m->a[c * m->stride + of[j]];
+    }
+}
+
 void ancf_reaction(double force[3], const ancf_model* m, int dof) {
     for (int c = 0; c < 3; ++c) force[c] = -m->f[c * m->stride + dof];
-    const bool node = dof < m->n_nodes;
-    const int own = (dof - m->n_nodes) % m->n_elements; // of a slope
-    for (int k = node ? m->first[dof] : 0; k < (node ? m->first[dof + 1] : 1); ++k) {
-        const int e = node ? m->at[k] >> 1 : own;
-        double M[4][4];
-        int of[4];
-        ancf_model_dofs(of, m, e);
-        for (int i = 0; i < 4; ++i) {
-            if (of[i] != dof) continue;
-            ancf_mass_element(M, &m->element[e]);
-            for (int j = 0; j < 4; ++j)
-                for (int c = 0; c < 3; ++c) force[c] += M[i][j] * m->a[c * m->stride + of[j]];
-        }
+    if (dof < m->n_nodes) {
+        for (int k = m->first[dof]; k < m->first[dof + 1]; ++k) add_inertia(force, m, m->at[k] >> 1, dof);
+        return;
     }
+    const int twin = ancf_model_twin(m, dof);
+    add_inertia(force, m, (dof - m->n_nodes) % m->n_elements, dof);
+    if (twin >= 0) add_inertia(force, m, (twin - m->n_nodes) % m->n_elements, twin);
 }

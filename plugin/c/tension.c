@@ -92,6 +92,21 @@ double ancf_tension(const ancf_model* m, int element, double xi) {
     return ancf_inner(force, r) / sqrt(ancf_inner(r, r) + DBL_MIN);
 }
 
+double ancf_tension_max(int* element, double* xi, const ancf_model* m, int begin, int end, int parts) {
+    double largest = -INFINITY;
+    *element = begin;
+    *xi = 0.0;
+    for (int e = begin; e < end; ++e)
+        for (int k = 0; k <= parts; ++k) {
+            const double at = (double)k / parts, tension = ancf_tension(m, e, at);
+            if (tension <= largest) continue;
+            largest = tension;
+            *element = e;
+            *xi = at;
+        }
+    return largest;
+}
+
 double ancf_strain_max(const ancf_model* m, const double* x, int* element) {
     double largest = -INFINITY;
     *element = 0;

@@ -182,14 +182,23 @@ namespace {
         all.within("fixedNodes", c.fixedNodes, 0, c.nNodes, "a node of nNodes");
         all.within("clampedEnds", c.clampedEnds, 0, slopes, "2 element + end");
         all.distinct("clampedEnds", c.clampedEnds, "once is enough");
-        for (const int end : c.clampedEnds)
-            if (c.kind[end / 2] & ANCF_SPRING)
-                all.refuse("clampedEnds holds ", end, ": ", elementText(c, end / 2),
-                           " is a spring, which has no slope");
+        all.size("followSlopes", c.followSlopes, c.followEnds.size(), "one for each of followEnds");
+        all.within("followEnds", c.followEnds, 0, slopes, "2 element + end");
+        all.distinct("followEnds", c.followEnds, "once is enough");
+        all.finiteEach("followSlopes", c.followSlopes);
+        for (const auto& [name, list] :
+             {std::pair("clampedEnds", &c.clampedEnds), std::pair("followEnds", &c.followEnds)})
+            for (const int end : *list)
+                if (c.kind[end / 2] & ANCF_SPRING)
+                    all.refuse(name, " holds ", end, ": ", elementText(c, end / 2), " is a spring, which has no slope");
         all.size("followIds", c.followIds, c.followNodes.size(), "one for each of followNodes");
         all.size("followAt", c.followAt, c.followNodes.size(), "one for each of followNodes");
         all.within("followNodes", c.followNodes, 0, c.nNodes, "a node of nNodes");
         all.finiteEach("followAt", c.followAt);
+        for (const int end : c.followEnds)
+            if (has(c.clampedEnds, end) || !has(c.followNodes, c.ends[end]))
+                all.refuse("followEnds holds ", end, ": its node ", c.ends[end],
+                           " must be in followNodes, and it not in clampedEnds");
         all.size("carryIds", c.carryIds, c.carryNodes.size(), "one for each of carryNodes");
         all.size("carryAt", c.carryAt, c.carryNodes.size(), "one for each of carryNodes");
         all.within("carryNodes", c.carryNodes, 0, c.nNodes, "a node of nNodes");
@@ -277,7 +286,9 @@ const Body& CableEngine::followedBody(Body::id_t id) const {
     const Body &body = heldBody("follow", id), &moved = movedBody(theScene(), body);
     if (moved.isDynamic() && moved.state->blockedDOFs != State::DOF_ALL)
         throw std::invalid_argument(
-            text("CableEngine.follow: body ", id, " moves freely and would not feel the cable: use carry"));
+            text("CableEngine.follow: body ", id,
+                 " moves freely and would not feel the cable, its force nor the moment of a clamp: block all its freedoms "
+                 "and lead it, or use carry"));
     return body;
 }
 

@@ -202,17 +202,18 @@ void CableEngine::bookFastened(const ancf_time& time) {
     }
 }
 
-// Nodes that something does work on, as they are before a step.
+// What something does work on, as it is before a step.
 void CableEngine::noteWorked() {
     worked.clear();
     if (!balanced) return;
     const ancf_model* m = model.get();
-    for (size_t i = 0; i < followNodes.size(); ++i) {
-        const int node = followNodes[i];
-        const Vector3r before = nodeOf(m->v, m->stride, node);
-        if (before != Vector3r::Zero() || nodeOf(m->held, m->stride, node) != Vector3r::Zero())
-            worked.push_back({node, -1, before});
-    }
+    const auto noteLed = [&](int dof) {
+        const Vector3r before = nodeOf(m->v, m->stride, dof);
+        if (before != Vector3r::Zero() || nodeOf(m->held, m->stride, dof) != Vector3r::Zero())
+            worked.push_back({dof, -1, before});
+    };
+    for (const int node : followNodes) noteLed(node);
+    for (const Led& one : led) noteLed(one.dof);
     for (size_t i = 0; i < carryNodes.size(); ++i)
         if (carriedForce[i] != Vector3r::Zero() && carrierOf(carryIds[i]) >= 0)
             worked.push_back({carryNodes[i], static_cast<int>(i), nodeOf(m->v, m->stride, carryNodes[i])});
@@ -222,7 +223,7 @@ void CableEngine::noteWorked() {
 Vector3r CableEngine::forceOf(const Worked& one) const {
     if (one.carried >= 0) return carriedForce[one.carried];
     Vector3r force;
-    ancf_reaction(force.data(), model.get(), one.node);
+    ancf_reaction(force.data(), model.get(), one.dof);
     return force;
 }
 
@@ -230,11 +231,11 @@ Vector3r CableEngine::forceOf(const Worked& one) const {
 void CableEngine::bookWorked(const ancf_time& time) {
     const ancf_model* m = model.get();
     for (const Worked& one : worked) {
-        const Vector3r after = nodeOf(m->v, m->stride, one.node);
+        const Vector3r after = nodeOf(m->v, m->stride, one.dof);
         balance[OUTER] += forceOf(one).dot(time.last * one.before + time.step * after) / 2;
         if (one.carried >= 0 || !touching.displacement()) continue;
-        Vector3r impulse; // of contacts, that what leads the node takes
-        touching.impulseOn(impulse, one.node);
+        Vector3r impulse; // of contacts, that what leads it takes
+        touching.impulseOn(impulse, m, one.dof);
         balance[OUTER] -= impulse.dot(one.before + after) / 2;
     }
 }

@@ -645,8 +645,8 @@ Vector3r CableContacts::velocityBefore(Body::id_t id, const Vector3r& arm) const
     return vectorOf(before) + vectorOf(before + 3).cross(arm);
 }
 
-void CableContacts::impulseOn(Vector3r& impulse, int dof) const {
-    ancf_table_impulse(impulse.data(), table.get(), dof);
+void CableContacts::impulseOn(Vector3r& impulse, const ancf_model* m, int dof) const {
+    ancf_table_impulse(impulse.data(), table.get(), m, dof);
 }
 
 // ---------------------------------------------------------------- saved

@@ -95,18 +95,19 @@ void CableEngine::forget() {
           &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
         vector<Real>().swap(*list);
     vector<string>().swap(record);
-    for (vector<int>* list : {&ends,        &next,          &kind,      &elementIds, &segments,    &points,
-                              &structure,   &selfContact,   &run,       &fixedNodes, &clampedEnds, &followNodes,
-                              &followIds,   &carryNodes,    &carryIds,  &loadNodes,  &tiedNodes,   &tiedTo,
-                              &crossPairs,  &carrierOfBody, &standsFor, &driven,     &sections,    &sectionMaterials,
-                              &sectionBends})
+    for (vector<int>* list :
+         {&ends,        &next,     &kind,       &elementIds,       &segments,    &points,     &structure,
+          &selfContact, &run,      &fixedNodes, &clampedEnds,      &followNodes, &followEnds, &followIds,
+          &carryNodes,  &carryIds, &loadNodes,  &tiedNodes,        &tiedTo,      &crossPairs, &carrierOfBody,
+          &standsFor,   &driven,   &sections,   &sectionMaterials, &sectionBends})
         vector<int>().swap(*list);
-    for (vector<Vector3r>* list : {&followAt, &carryAt, &loads, &carryReaction, &carriedForce})
+    for (vector<Vector3r>* list : {&followAt, &followSlopes, &carryAt, &loads, &carryReaction, &carriedForce})
         vector<Vector3r>().swap(*list);
     for (auto* list : {&carried, &followed}) vector<Held>().swap(*list);
     vector<Shown>().swap(elementBodies);
     vector<Looked>().swap(lookedAt);
     vector<Worked>().swap(worked);
+    vector<Led>().swap(led);
     forgotten = true;
     nNodes = kickedNodes = kickedElements = 0;
     lastStep = 0;
@@ -344,13 +345,18 @@ void CableEngine::fix(int node) {
     changed();
 }
 
-void CableEngine::clamp(int element, int end) {
+// An end of an element that has a slope.
+void CableEngine::checkSlope(const char* what, int element, int end) const {
     needSound();
     if (element < 0 || element >= nElements() || (end != 0 && end != 1))
-        throw std::out_of_range(text("CableEngine.clamp: element ", element, ", end ", end, ": there are ", nElements(),
-                                     " elements with the ends 0 and 1"));
+        throw std::out_of_range(text("CableEngine.", what, ": element ", element, ", end ", end, ": there are ",
+                                     nElements(), " elements with the ends 0 and 1"));
     if (kind[element] & ANCF_SPRING)
-        throw std::invalid_argument("CableEngine.clamp: a spring has no slope: use model='ancf'");
+        throw std::invalid_argument(text("CableEngine.", what, ": a spring has no slope: use model='ancf'"));
+}
+
+void CableEngine::clamp(int element, int end) {
+    checkSlope("clamp", element, end);
     if (!has(clampedEnds, 2 * element + end)) clampedEnds.push_back(2 * element + end);
     changed();
 }
@@ -363,6 +369,22 @@ void CableEngine::follow(int node, Body::id_t id) {
     followNodes.push_back(node);
     followIds.push_back(id);
     followAt.push_back(body.state->ori.conjugate() * (nodeOf(position.data(), getStride(), node) - body.state->pos));
+    changed();
+}
+
+void CableEngine::followSlope(int element, int end) {
+    refuseWhileRunning("CableEngine.followSlope");
+    checkSlope("followSlope", element, end);
+    const int number = 2 * element + end;
+    const Body::id_t id = followedAt(ends[number]);
+    if (id < 0)
+        throw std::invalid_argument(text("CableEngine.followSlope: element ", element, ", end ", end, ": its node ",
+                                         ends[number], " follows no body: follow() first"));
+    if (has(followEnds, number)) return;
+    const State& state = *followedBody(id).state;
+    followEnds.push_back(number);
+    followSlopes.push_back(state.ori.conjugate() *
+                           nodeOf(position.data(), getStride(), nNodes + end * nElements() + element));
     changed();
 }
 
@@ -508,6 +530,11 @@ void CableEngine::release(int node) {
     const auto there = [&](int end) { return ends[static_cast<size_t>(end)] == node; };
     clampedEnds.erase(std::remove_if(clampedEnds.begin(), clampedEnds.end(), there), clampedEnds.end());
     followed.clear();
+    for (size_t i = followEnds.size(); i-- > 0;)
+        if (there(followEnds[i])) {
+            followEnds.erase(followEnds.begin() + static_cast<long>(i));
+            followSlopes.erase(followSlopes.begin() + static_cast<long>(i));
+        }
     for (size_t i = followNodes.size(); i-- > 0;)
         if (followNodes[i] == node) {
             followNodes.erase(followNodes.begin() + static_cast<long>(i));

@@ -71,11 +71,17 @@ class CableEngine : public GlobalEngine {
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
-    struct Worked {                                  // a node that something does work on in a step
-        int node, carried; // number in carryNodes if that is a force on the body there, or -1: what leads it
-        Vector3r before;   // its velocity [m/s]
+    struct Worked {                                  // what something does work on in a step, a node or a slope
+        int dof, carried; // number in carryNodes if that is a force on the body there, or -1: what leads it
+        Vector3r before;  // its velocity [m/s, 1/s]
     };
     vector<Worked> worked;
+    struct Led {       // a slope that follows a body
+        int dof, twin; // its copies in a block of the state, or -1
+        size_t end;    // number in followEnds
+        Body::id_t id; // that its node follows
+    };
+    vector<Led> led;
     struct Fastened {    // a node on a body off its centre
         size_t carried;  // number in carryNodes
         Vector3r before; // its velocity [m/s]
@@ -127,6 +133,7 @@ class CableEngine : public GlobalEngine {
     void checkNode(int node, const char* what) const;
     void checkRange(const char* what, int first, int n, int all) const;
     void checkUnclaimed(int node) const;
+    void checkSlope(const char* what, int element, int end) const;
     void changed();
     void dropModel();
     void moveState(vector<Real>&& x, vector<Real>&& v);
@@ -165,6 +172,8 @@ class CableEngine : public GlobalEngine {
     void loadNodesAlone();
     void findForces();
     void holdNodes();
+    void listLed();
+    Body::id_t followedAt(int node) const;
     void gatherForces();
     void gatherOnElements();
     void scatter();
@@ -220,6 +229,7 @@ public:
     void fix(int node);
     void clamp(int element, int end);
     void follow(int node, Body::id_t id);
+    void followSlope(int element, int end);
     void carry(int node, Body::id_t id, const Vector3r& at);
     void load(int node, const Vector3r& force);
     void tie(int node, int other);
@@ -232,8 +242,11 @@ public:
     Vector3r point(int element, Real xi);
     Vector3r pointVelocity(int element, Real xi);
     Real tension(int element, Real xi);
+    py::tuple maxTension(int first, int last, int parts);
     Real strain(int element, Real xi);
     Vector3r reaction(int node);
+    Vector3r moment(int node);
+    void needForces();
     py::dict energy(int first, int last);
     py::tuple momentum();
     Real criticalTimeStep();
@@ -296,6 +309,8 @@ public:
         ((vector<int>, followNodes, , Attr::readonly, "Nodes that follow a body."))
         ((vector<int>, followIds, , Attr::readonly, "The bodies they follow."))
         ((vector<Vector3r>, followAt, , Attr::readonly, "Their places in the bodies' frames [m]."))
+        ((vector<int>, followEnds, , Attr::readonly, "Slopes that follow the body that their node follows, 2 element + end."))
+        ((vector<Vector3r>, followSlopes, , Attr::readonly, "These slopes in the bodies' frames [-]."))
         ((vector<int>, carryNodes, , Attr::readonly, "Nodes that carry a body."))
         ((vector<int>, carryIds, , Attr::readonly, "The bodies they carry."))
         ((vector<Vector3r>, carryAt, , Attr::readonly, "Places of the nodes in the bodies' frames [m]."))
@@ -344,10 +359,11 @@ public:
         .def("fix", &CableEngine::fix, (py::arg("node")), "Holds a node in place.")
         .def("clamp", &CableEngine::clamp, (py::arg("element"), py::arg("end")), "Holds the slope at an element's start (0) or end (1).")
         .def("follow", &CableEngine::follow, (py::arg("node"), py::arg("id")), "Keeps a node at its place in a body's frame.")
+        .def("followSlope", &CableEngine::followSlope, (py::arg("element"), py::arg("end")), "Keeps the slope at an element's start (0) or end (1) as it is in the frame of the body that its node follows.")
         .def("carry", &CableEngine::carry, (py::arg("node"), py::arg("id"), py::arg("at")), "Fastens a body's point `at` (in its frame, [m]) to a node.")
         .def("load", &CableEngine::load, (py::arg("node"), py::arg("force")), "Puts a constant force [N] on a node; zero takes it off.")
         .def("tie", &CableEngine::tie, (py::arg("node"), py::arg("other")), "Makes two nodes one, the first.")
-        .def("release", &CableEngine::release, (py::arg("node")), "Frees a node, and the slopes at it, from fix, clamp, follow and load.")
+        .def("release", &CableEngine::release, (py::arg("node")), "Frees a node, and the slopes at it, from fix, clamp, follow, followSlope and load.")
         .def("note", &CableEngine::note, (py::arg("number"), py::arg("text")), "Replaces an item of record, or adds one at its end.")
         .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
         .def("elementsAt", &CableEngine::elementsAt, (py::arg("node")), "Elements that meet at a node.")
@@ -358,8 +374,10 @@ public:
         .def("point", &CableEngine::point, (py::arg("element"), py::arg("xi")), "Position [m].")
         .def("pointVelocity", &CableEngine::pointVelocity, (py::arg("element"), py::arg("xi")), "Velocity [m/s].")
         .def("tension", &CableEngine::tension, (py::arg("element"), py::arg("xi")), "Tension EA eps |r'|, damping included [N].")
+        .def("maxTension", &CableEngine::maxTension, (py::arg("first"), py::arg("last"), py::arg("parts")), "Largest tension of the elements first .. last-1, over parts + 1 places of each: (tension [N], element, xi).")
         .def("strain", &CableEngine::strain, (py::arg("element"), py::arg("xi")), "Green's strain; springs: engineering strain [-].")
         .def("reaction", &CableEngine::reaction, (py::arg("node")), "Force on the cable that holds or carries a node, in the last step [N]. ValueError for a free node.")
+        .def("moment", &CableEngine::moment, (py::arg("node")), "Moment on the cable by what holds the slopes at a node, in the last step [N m]. ValueError where none is held.")
         .def("energy", &CableEngine::energy, (py::arg("first"), py::arg("last")), "Energies [J] of the elements first .. last-1 as dict kinetic, axial, bending, gravity; carried masses not counted.")
         .def("momentum", &CableEngine::momentum, "(linear [kg m/s], angular about the origin [kg m²/s]), with the masses carried at knots.")
         .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cables at their strain now, at least 0.1, whether they touch or not [s].")

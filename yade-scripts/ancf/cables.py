@@ -117,6 +117,12 @@ class Cable(Structure):
         """Tension at s, damping included [N]."""
         return self._span.tension(s)
 
+    def maxTension(self):
+        """Largest tension now [N], and s where it is: (tension, s). Of 8 places of each element and
+        its end."""
+        tension, _, s = self._mostTension()
+        return tension, s
+
     def strain(self, s):
         """Strain at s [-]: Green's for ANCF, engineering strain for springs."""
         return self._span.strain(s)

@@ -142,6 +142,12 @@ class Net(Structure):
         state = self._state()
         return np.array([span.curve(k, state) for span in self.spans])
 
+    def maxTension(self):
+        """Largest tension now [N], the number of its edge and s on that: (tension, edge, s). Of 8
+        places of each element and its end.
+        """
+        return self._mostTension()
+
     def mouthArea(self, axis=None):
         """Area of the rim's polygon [m2]: the length of its area vector, sum of p_i x p_(i+1) / 2.
 

@@ -610,15 +610,21 @@ class Structure:
         self._when(lambda: self.engine.fix(self._node(knot)))
         self._claims[knot] = "fixed"
 
-    def clamp(self, knot):
-        """Holds a knot where it is and the slopes of the cables at it. ValueError for springs,
-        which have none.
+    def clamp(self, knot, bodyId=None):
+        """Holds a knot where it is and the slopes of the cables at it; or, with a bodyId, both as
+        they are in that body's frame, whatever moves and turns the body.
+
+        ValueError for springs, which have no slopes, and for a body that moves freely: it would not
+        feel the clamp.
         """
         knot = self.knot(knot)
         if self.section.spring:
             raise ValueError(
-                f"{self.name}.clamp({knot}): springs have no slopes; use model='ancf', or fix"
+                f"{self.name}.clamp({knot}): springs have no slopes; use model='ancf', fix or follow"
             )
+        if bodyId is not None:
+            self._lead(knot, bodyId, f"{self.name}.clamp", "clamped to", self._clampToNow)
+            return
         self._mayClaim(knot, "clamped")
         wasHeld = self._claims.get(knot) in ("fixed", "clamped")
         self._when(lambda: self._clampNow(knot, wasHeld))
@@ -628,19 +634,38 @@ class Structure:
         engine = self.engine
         if not wasHeld:
             engine.fix(self._node(knot))
-        for e, end in np.argwhere(self._layout.ends == knot).tolist():
-            engine.clamp(self._first[1] + e, end)
+        for element, end in self._endsAt(knot):
+            engine.clamp(element, end)
+
+    def _clampToNow(self, knot, bodyId):
+        self.engine.follow(self._node(knot), bodyId)
+        for element, end in self._endsAt(knot):
+            self.engine.followSlope(element, end)
+
+    def _endsAt(self, knot):
+        """(element of the engine, its end) that meet at a knot of ours."""
+        ends = np.argwhere(self._layout.ends == knot).tolist()
+        return [(self._first[1] + e, end) for e, end in ends]
 
     def follow(self, knot, bodyId):
         """Keeps a knot at its place in a body's frame, whatever moves the body."""
-        knot = self.knot(knot)
-        findBody(f"{self.name}.follow", bodyId)
-        claim = f"following body {bodyId}"
-        self._mayClaim(knot, claim)
-        self._when(
-            lambda: self.engine.follow(self._node(knot), bodyId),
-            lambda: self._attach(knot, bodyId),
+        self._lead(
+            knot,
+            bodyId,
+            f"{self.name}.follow",
+            "following",
+            lambda knot, bodyId: self.engine.follow(self._node(knot), bodyId),
         )
+
+    def _lead(self, knot, bodyId, where, what, now):
+        """Lets a body lead a knot: now(knot, bodyId) tells the engine."""
+        knot = self.knot(knot)
+        findBody(where, bodyId)
+        claim = f"{what} body {bodyId}"
+        if self._claims.get(knot) == claim:
+            return
+        self._mayClaim(knot, claim)
+        self._when(lambda: now(knot, bodyId), lambda: self._attach(knot, bodyId))
         self._claims[knot] = claim
 
     def carry(self, knot, bodyId, at=(0, 0, 0)):
@@ -678,7 +703,7 @@ class Structure:
         self._when(lambda: self.engine.load(self._node(knot), force))
 
     def release(self, knot):
-        """Lets a fixed, clamped or following knot go, and takes its load away."""
+        """Lets a fixed, clamped or led knot go, and takes its load away."""
         knot = self.knot(knot)
         held = self._claims.get(knot, "")
         if held.startswith(("carrying", "tied")):
@@ -852,16 +877,17 @@ class Structure:
                 geom, element = contact.geom, O.bodies[body].shape.element - self._first[1]
                 for xi, n, push, friction in zip(geom.xi, geom.normals, geom.force, geom.friction):
                     if push:
-                        span, s = self._stationOf(element, xi)
-                        found.append((span, s, np.array(list(push * n + friction))))
+                        number, s = self._stationOf(element, xi)
+                        found.append((self.spans[number], s, np.array(list(push * n + friction))))
         return found
 
     def _stationOf(self, element, xi):
-        """The span that an element of ours belongs to, and s at its xi."""
+        """Number of the span that an element of ours belongs to, and s at its xi."""
         firsts = [span._run.first for span in self.spans]
-        span = self.spans[int(np.searchsorted(firsts, element, side="right")) - 1]
+        number = int(np.searchsorted(firsts, element, side="right")) - 1
+        span = self.spans[number]
         arc, k = span._arc, element - span._run.first
-        return span, float((arc[k] + xi * (arc[k + 1] - arc[k])) / arc[-1])
+        return number, float((arc[k] + xi * (arc[k + 1] - arc[k])) / arc[-1])
 
     def _needEngine(self, what):
         if not self.appended:
@@ -879,6 +905,26 @@ class Structure:
         """
         knot = self.knot(knot)
         return self._needEngine("reaction").reaction(self._node(knot))
+
+    def moment(self, knot):
+        """Moment about a clamped knot by which its clamp turns the cable [N m], Vector3."""
+        knot = self.knot(knot)
+        return self._needEngine("moment").moment(self._node(knot))
+
+    def anchorForce(self):
+        """Sum of the forces that hold the knots [N], Vector3: of all that are fixed, clamped or
+        follow a body. What carried bodies do is not among them; a knot that is tied to a held one
+        counts where that is held.
+        """
+        self._needEngine("anchorForce")
+        held = [k for k, what in self._claims.items() if not what.startswith(("carrying", "tied"))]
+        return sum((self.reaction(knot) for knot in held), Vector3.Zero)
+
+    def _mostTension(self):
+        """Largest tension now [N], over 8 places of each element, its span's number and s there."""
+        engine, first = self._needEngine("maxTension"), self._first[1]
+        tension, e, xi = engine.maxTension(first, first + self.elementCount, 8)
+        return tension, *self._stationOf(e - first, xi)
 
     def energy(self):
         """Energies [J]: kinetic, axial, bending, gravity; carried bodies not counted."""

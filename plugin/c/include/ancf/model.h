@@ -136,6 +136,9 @@ static inline void ancf_model_dofs(int dof[4], const ancf_model* m, int element)
     dof[3] = m->n_nodes + m->n_elements + element;
 }
 
+// The other copy of a slope that goes on from one element into the next, or -1.
+int ancf_model_twin(const ancf_model* m, int dof);
+
 // Value at xi of element e of the field whose blocks are at `field` (m->x gives the position, m->v the velocity).
 void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi);
 

@@ -14,6 +14,10 @@ double ancf_strain(const ancf_model* m, const double* x, int element, double xi)
 // in the element's other half. Where that is not known it goes by the element's own weight.
 double ancf_tension(const ancf_model* m, int element, double xi);
 
+// Largest tension of elements from one to before another, over `parts` + 1 places each, from end to end, with where it
+// is [N]. Of the first where there are several.
+double ancf_tension_max(int* element, double* xi, const ancf_model* m, int begin, int end, int parts);
+
 // Largest strain of all elements, over their ends and middles, and its element; what is not a number is left out [-].
 double ancf_strain_max(const ancf_model* m, const double* x, int* element);
 
