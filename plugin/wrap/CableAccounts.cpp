@@ -131,6 +131,7 @@ void CableEngine::findForces() {
     ancf_acceleration(model.get(), position.data(), velocity.data());
     for (size_t i = 0; i < carryNodes.size() && lastStep == 0; ++i) setCarryReaction(i, Vector3r::Zero());
     stepped = true;
+    movedBy = 0;
 }
 
 Vector3r CableEngine::reaction(int node) {
@@ -160,7 +161,8 @@ Vector3r CableEngine::moment(int node) {
         if (end && m->next[e] >= 0) continue; // told with the start of the next element
         Vector3r force;
         ancf_reaction(force.data(), m, dof);
-        sum += nodeOf(m->x, m->stride, dof).cross(force);
+        const Vector3r slope = nodeOf(m->x, m->stride, dof) - movedBy * nodeOf(m->v, m->stride, dof);
+        sum += slope.cross(force);
     }
     if (!held)
         throw std::invalid_argument(

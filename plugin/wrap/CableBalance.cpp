@@ -59,7 +59,7 @@ namespace {
 // Of all that an edit between O.load and the first step could change.
 Real CableEngine::markOfState() const {
     Real mark = 1;
-    for (const auto* values : {&position, &velocity, &length, &ea, &ei, &rhoA, &kelvinVoigt})
+    for (const auto* values : {&position, &velocity, &length, &ea, &ei, &rhoA, &kelvinVoigt, &massDamping})
         mark = sumOf(*values, mark);
     return mark;
 }
@@ -120,7 +120,10 @@ void CableEngine::measureEnergy(const ancf_time& time) {
 // What damping takes out is known with O.trackEnergy alone; other integrators than leapfrog lose energy besides.
 bool CableEngine::lossesKnown() const {
     if (integrator != "leapfrog") return false;
-    return scene->trackEnergy || std::all_of(kelvinVoigt.begin(), kelvinVoigt.end(), [](Real eta) { return eta == 0; });
+    const auto none = [](const vector<Real>& damping) {
+        return std::all_of(damping.begin(), damping.end(), [](Real value) { return value == 0; });
+    };
+    return scene->trackEnergy || (none(kelvinVoigt) && none(massDamping));
 }
 
 // At the positions that the step starts from, and the energies of now.

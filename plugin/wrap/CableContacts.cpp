@@ -131,7 +131,7 @@ void CableContacts::mixLaws(const CableEngine& cable) {
         const auto& [second, r2] = covers[i % n];
         HollarsPhys phys;
         mixHollars(phys, static_cast<const HollarsMat&>(*first), static_cast<const HollarsMat&>(*second),
-                   1 / (1 / r1 + 1 / r2));
+                   1 / (1 / r1 + 1 / r2), frictionRuleOf(cable.theScene(), *first, *second));
         phys.normalKind = cable.normalKind;
         phys.frictionKind = cable.frictionKind;
         if (const string fault = lawFault(phys, first.get(), second.get(), 1); !fault.empty())

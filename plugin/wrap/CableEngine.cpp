@@ -91,8 +91,8 @@ void CableEngine::forget() {
     touching = CableContacts();
     home.reset();
     for (vector<Real>* list :
-         {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &radius, &arc, &closed,
-          &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
+         {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &massDamping, &radius, &arc,
+          &closed, &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
         vector<Real>().swap(*list);
     vector<string>().swap(record);
     for (vector<int>* list :
@@ -207,7 +207,7 @@ namespace {
 
 py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlopes, const py::object& newEnds,
                            const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
-                           Real newRhoA, Real newDamping) {
+                           Real newRhoA, Real newDamping, Real newMassDamping) {
     refuseWhileRunning("CableEngine.add");
     needSound();
     checkHome();
@@ -226,11 +226,11 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
     for (const auto& [name, numbers] :
          {std::pair("nodes", &nodes), std::pair("slopes", &slopes), std::pair("length", &lengths)})
         given.finiteEach(name, *numbers);
-    for (const auto& [name, value] :
-         {std::pair("ea", newEa), std::pair("ei", newEi), std::pair("rhoA", newRhoA), std::pair("damping", newDamping)})
+    for (const auto& [name, value] : {std::pair("ea", newEa), std::pair("ei", newEi), std::pair("rhoA", newRhoA),
+                                      std::pair("damping", newDamping), std::pair("massDamping", newMassDamping)})
         given.need(finite(value), name, value, "finite, and below 1e100");
     vector<ancf_element> elements;
-    for (const Real l : lengths) elements.push_back({newKind, l, newEa, newEi, newRhoA, newDamping});
+    for (const Real l : lengths) elements.push_back({newKind, l, newEa, newEi, newRhoA, newDamping, newMassDamping});
 
     const int allNodes = nNodes + n, all = firstElement + e, stride = ancf_stride(allNodes, all);
     vector<Real> x = widen(position, nNodes, firstElement, allNodes, all),
@@ -266,6 +266,7 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
     ei.insert(ei.end(), e, newEi);
     rhoA.insert(rhoA.end(), e, newRhoA);
     kelvinVoigt.insert(kelvinVoigt.end(), e, newDamping);
+    massDamping.insert(massDamping.end(), e, newMassDamping);
     nNodes = allNodes;
     atHome();
     changed();

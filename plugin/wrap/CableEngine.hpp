@@ -67,6 +67,7 @@ class CableEngine : public GlobalEngine {
     bool forgotten = false; // its scene is gone
     bool loaded = false;    // forces may stand in model->external
     bool stepped = false;   // the model has forces and accelerations of a step
+    Real movedBy = 0;       // time that the state has gone on since it had these [s]
     StepClock clock;
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
@@ -218,7 +219,7 @@ public:
 
     py::tuple add(const py::object& newNodes, const py::object& newSlopes, const py::object& newEnds,
                   const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
-                  Real newRhoA, Real newDamping);
+                  Real newRhoA, Real newDamping, Real newMassDamping);
     void cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const py::object& newRun,
                const py::object& newArc, const py::object& newClosed);
     vector<Body::id_t> addBodies(int first, const shared_ptr<Material>& material, int mask);
@@ -281,12 +282,13 @@ public:
         ((int, stepParts, 0, Attr::readonly, "In how many parts the last implicit step was taken."))
         ((vector<int>, ends, , Attr::readonly, "Start and end node of every element."))
         ((vector<int>, next, , Attr::readonly, "Element into which an element goes on smoothly, or -1."))
-        ((vector<int>, kind, , Attr::triggerPostLoad, "Kind of every element: 1 spring, 2 lumped mass, 4 reduced axial rule, 8 exact curvature, added up."))
+        ((vector<int>, kind, , Attr::triggerPostLoad, "Kind of every element: 1 spring, 2 lumped mass, 4 reduced axial rule, 8 exact curvature, 16 engineering strain, added up."))
         ((vector<Real>, length, , Attr::triggerPostLoad, "Unstressed lengths [m]."))
         ((vector<Real>, ea, , Attr::triggerPostLoad, "Axial stiffnesses [N]."))
         ((vector<Real>, ei, , Attr::triggerPostLoad, "Bending stiffnesses [N m²]."))
         ((vector<Real>, rhoA, , Attr::triggerPostLoad, "Masses per length [kg/m]."))
         ((vector<Real>, kelvinVoigt, , Attr::triggerPostLoad, "Kelvin-Voigt times [s]."))
+        ((vector<Real>, massDamping, , Attr::triggerPostLoad, "Mass-proportional damping [1/s]."))
         ((vector<int>, elementIds, , Attr::readonly, "Bodies of the elements, -1: touches nothing."))
         ((vector<Real>, radius, , Attr::readonly, "Half the diameters of the elements [m]."))
         ((vector<int>, segments, , Attr::readonly, "Segments of each element, with one place of contact at most."))
@@ -347,8 +349,8 @@ public:
         .add_property("nElements", &CableEngine::nElements, "Number of elements.")
         .add_property("coupled", &CableEngine::coupled, "Carries a body off its centre or on a guide, which allows no sub-steps.")
         .add_property("asleep", &CableEngine::asleep, "Elements whose bodies are far from everything: nothing is computed for their contact.")
-        .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping")),
-             "Adds a cable of n nodes and e elements: numpy arrays nodes (n, 3) [m], slopes (2 e, 3), start and end of each element, ends (e, 2) and next (e), int32, counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
+        .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping"), py::arg("massDamping") = 0.),
+             "Adds a cable of n nodes and e elements: numpy arrays nodes (n, 3) [m], slopes (2 e, 3), start and end of each element, ends (e, 2) and next (e), int32, counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s], massDamping [1/s]. Returns (first node, first element). ValueError on bad values.")
         .def("cover", &CableEngine::cover, (py::arg("first"), py::arg("radius"), py::arg("segments"), py::arg("points"), py::arg("selfContact"), py::arg("run"), py::arg("arc"), py::arg("closed")),
              "Tells of the elements from `first` on, a cable or net added last, what they show to the outside: run (int32, counted from 0), arc [m] and closed [m] are numpy arrays with a value each. ValueError on bad values.")
         .def("addBodies", &CableEngine::addBodies, (py::arg("first"), py::arg("material"), py::arg("mask")), "Puts a body into the scene for each element from `first` on. Returns their ids.")
@@ -375,7 +377,7 @@ public:
         .def("pointVelocity", &CableEngine::pointVelocity, (py::arg("element"), py::arg("xi")), "Velocity [m/s].")
         .def("tension", &CableEngine::tension, (py::arg("element"), py::arg("xi")), "Tension EA eps |r'|, damping included [N].")
         .def("maxTension", &CableEngine::maxTension, (py::arg("first"), py::arg("last"), py::arg("parts")), "Largest tension of the elements first .. last-1, over parts + 1 places of each: (tension [N], element, xi).")
-        .def("strain", &CableEngine::strain, (py::arg("element"), py::arg("xi")), "Green's strain; springs: engineering strain [-].")
+        .def("strain", &CableEngine::strain, (py::arg("element"), py::arg("xi")), "Strain of the element's kind, Green's or engineering strain [-].")
         .def("reaction", &CableEngine::reaction, (py::arg("node")), "Force on the cable that holds or carries a node, in the last step [N]. ValueError for a free node.")
         .def("moment", &CableEngine::moment, (py::arg("node")), "Moment on the cable by what holds the slopes at a node, in the last step [N m]. ValueError where none is held.")
         .def("energy", &CableEngine::energy, (py::arg("first"), py::arg("last")), "Energies [J] of the elements first .. last-1 as dict kinetic, axial, bending, gravity; carried masses not counted.")

@@ -37,7 +37,8 @@ namespace {
 void CableEngine::makeModel() {
     const size_t n = static_cast<size_t>(nNodes), e = length.size();
     vector<ancf_element> elements;
-    for (size_t i = 0; i < e; ++i) elements.push_back({kind[i], length[i], ea[i], ei[i], rhoA[i], kelvinVoigt[i]});
+    for (size_t i = 0; i < e; ++i)
+        elements.push_back({kind[i], length[i], ea[i], ei[i], rhoA[i], kelvinVoigt[i], massDamping[i]});
     vector<Real> mass(n, 0);
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         const Body& body = bodyOf(theScene(), carryIds[i], "carry");
@@ -264,7 +265,7 @@ void CableEngine::stepExplicit(int inside) {
             touching.give(*this, time);
             bookFastened(time);
         }
-        lastStep = time.step;
+        lastStep = movedBy = time.step;
         clock.passed(StepClock::SCATTER);
     }
     model->damping_half = dampedBefore;
@@ -297,6 +298,7 @@ void CableEngine::stepImplicit() {
                     "): a force is not finite, or something moves too fast; look there, use a shorter O.dt or damping, "
                     "or integrator = 'leapfrog'"));
     lastStep = scene->dt;
+    movedBy = scene->dt / 2; // forces are means of the step
     for (size_t i = 0; i < carryNodes.size(); ++i) setCarryReaction(i, Vector3r::Zero());
     scatter();
     clock.passed(StepClock::SCATTER);

@@ -49,7 +49,7 @@ def build():
     carried = ball((1.5, 0, 0), 0.01, mass=1e-2, material="cable")
     leader = ball((2, 0, 0), 0.01, material="cable", mask=2)
     second.carry(1, carried)
-    second.follow(2, leader)
+    second.clamp(2, leader)
     second.tie(0, first, 2)
     sheave = pulleys.sheave((0, 0, -2), 0.05, axis=(0, 1, 0), width=0.01, material="cable")
     slider = ball((0, 1, 0), 0.01, mass=0.1, material="cable", mask=4)
@@ -181,12 +181,13 @@ SCALARS = {
 }
 
 SPECIAL = {  # lists: one bad value in place of the last
-    "kind": [16, 64, 2**30, -1, 1],
+    "kind": [32, 64, 2**30, -1, 1],
     "length": [0.0, -1.0, 1e-300],
     "ea": [0.0, -1.0],
     "ei": [-1.0],
     "rhoA": [0.0, -1.0, 1e-300],
     "kelvinVoigt": [-1.0],
+    "massDamping": [-1.0],
     "radius": [0.0, -1.0, 5e-3],
     "segments": [0, 65, 1000],
     "points": [2, 7],
@@ -202,6 +203,7 @@ SPECIAL = {  # lists: one bad value in place of the last
     "clampedEnds": [8, 10**6],
     "followNodes": [0, 6],
     "followIds": [-1, 99, 0, 5],
+    "followEnds": [0, 8, 10**6],
     "carryNodes": [0, 6],
     "carryIds": [-1, 99, 0],
     "loadNodes": [6, 3],

@@ -13,7 +13,7 @@ from ._built import VERSION as __version__  # noqa: E402
 from .cables import Cable  # noqa: E402
 from .nets import Net  # noqa: E402
 from .record import structures  # noqa: E402
-from .running import progress  # noqa: E402
+from .running import progress, settle, stop  # noqa: E402
 from .scene import check, engines, plan, timeStep  # noqa: E402
 
 __all__ = [
@@ -24,6 +24,8 @@ __all__ = [
     "engines",
     "plan",
     "progress",
+    "settle",
+    "stop",
     "structures",
     "timeStep",
 ]

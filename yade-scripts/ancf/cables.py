@@ -47,10 +47,13 @@ class Cable(Structure):
     contactPoints    inside each element, evenly: they divide it into contactPoints + 1 segments
                      (springs: one); 0: the cable touches nothing, whatever contact= says
     damping          Kelvin-Voigt time [s]
+    massDamping      mass-proportional damping alpha [1/s]: a force -alpha M v, which lets swinging
+                     die away as exp(-alpha t/2), and free flight as exp(-alpha t)
     area, bending    [m2], EI [N m2] instead of those of the diameter
     mass             'consistent' or 'lumped'
     axialRule        'exact', or 'reduced' (3 Gauss points: softer in bending-dominated cables)
     curvature        'fast' (|r''|) or 'exact' (|r' x r''|/|r'|^2)
+    strain           'green', (|r'|^2 - 1)/2, or 'engineering', |r'| - 1; springs: always the latter
     selfContact      whether it touches itself; other cables and nets it always touches
     closed           the last point joins the first (belts)
     mask             groupMask of its bodies
@@ -74,18 +77,31 @@ class Cable(Structure):
         slack=None,
         tension=None,
         damping=0.0,
+        massDamping=0.0,
         area=None,
         bending=None,
         mass="consistent",
         axialRule="exact",
         curvature="fast",
+        strain="green",
         selfContact=False,
         closed=False,
         mask=1,
         label="Cable",
     ):
         sec = section(
-            label, material, diameter, area, bending, model, mass, axialRule, curvature, damping
+            label,
+            material,
+            diameter,
+            area,
+            bending,
+            model,
+            mass,
+            axialRule,
+            curvature,
+            strain,
+            damping,
+            massDamping,
         )
         parts = divisions(label, model, elements, midPoints)
         closed = values.flag(f"{label}.closed", closed)
@@ -124,7 +140,7 @@ class Cable(Structure):
         return tension, s
 
     def strain(self, s):
-        """Strain at s [-]: Green's for ANCF, engineering strain for springs."""
+        """Strain at s [-]: Green's, or engineering strain, as for springs always."""
         return self._span.strain(s)
 
     def curve(self, k=8):

@@ -44,17 +44,30 @@ class Net(Structure):
         slack=None,
         tension=None,
         damping=0.0,
+        massDamping=0.0,
         area=None,
         bending=None,
         mass="consistent",
         axialRule="exact",
         curvature="fast",
+        strain="green",
         selfContact=False,
         mask=1,
         label="Net",
     ):
         sec = section(
-            label, material, diameter, area, bending, model, mass, axialRule, curvature, damping
+            label,
+            material,
+            diameter,
+            area,
+            bending,
+            model,
+            mass,
+            axialRule,
+            curvature,
+            strain,
+            damping,
+            massDamping,
         )
         parts = divisions(label, model, elements, midPoints)
         p = values.points(f"{label}.points", points)

@@ -1,8 +1,13 @@
-"""Runs a scene, and tells how far it is."""
+"""Runs a scene: for a time, telling how far it is, or until it is at rest."""
 
-from yade import O
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from yade import O, Vector3, wrapper
 
 from . import values
+from .structure import cableEngines
 
 
 def progress(duration, every, title="run"):
@@ -34,3 +39,142 @@ def _steps(duration, every, title):
                 O.step()
             bar.update(min(O.time - start, duration) - bar.n)
             yield
+
+
+# ---- to rest -------------------------------------------------------------------------------------
+
+ALL = Vector3(1, 1, 1)
+
+
+@dataclass
+class _Mover:
+    """A body that settle() may stop: 1 along the axes in which nothing leads it, else 0."""
+
+    state: object
+    free: Vector3
+    turns: Vector3
+
+    def kinetic(self):
+        """Of what is free [J]."""
+        s = self.state
+        velocity, spin = _times(self.free, s.vel), s.ori.conjugate() * _times(self.turns, s.angVel)
+        return 0.5 * (s.mass * velocity.squaredNorm() + s.inertia.dot(_times(spin, spin)))
+
+    def stop(self):
+        self.state.vel = _times(ALL - self.free, self.state.vel)
+        self.state.angVel = _times(ALL - self.turns, self.state.angVel)
+        self.state.angMom = _times(ALL - self.turns, self.state.angMom)
+
+
+def _times(a, b):
+    return Vector3(a[0] * b[0], a[1] * b[1], a[2] * b[2])
+
+
+def _movers():
+    """The bodies of the scene that something may still move, clumps as one."""
+    carried = {i for engine in cableEngines() for i in engine.carryIds}
+    loose, guided = set(), set()  # what drives leave free
+    for engine in O.engines:
+        if isinstance(engine, wrapper.SheaveEngine):
+            free = zip(engine.ids, engine.speed, engine.scripted)
+            loose |= {i for i, speed, scripted in free if math.isnan(speed) and scripted != 1}
+        if isinstance(engine, wrapper.GuideEngine):
+            guided |= {i for i, driven in zip(engine.ids, engine.driven) if not driven}
+    found = []
+    for body in O.bodies:
+        if body.isClumpMember or body.state.mass <= 0 or not body.dynamic:
+            continue
+        blocked, moved = body.state.blockedDOFs, body.id in carried or body.id in guided
+        free = Vector3(*(float(moved or axis not in blocked) for axis in "xyz"))
+        turns = Vector3(*(float(body.id in loose or axis not in blocked) for axis in "XYZ"))
+        if free.norm() or turns.norm():
+            found.append(_Mover(body.state, free, turns))
+    return found
+
+
+def _kinetic(movers):
+    """Energy of all that moves freely, and its mass [J], [kg]."""
+    energy = mass = 0.0
+    for engine in cableEngines():
+        energy += engine.energy(0, engine.nElements)["kinetic"]
+        mass += float(np.dot(engine.rhoA, engine.length))
+    for mover in movers:
+        energy += mover.kinetic()
+        mass += mover.state.mass
+    return energy, mass
+
+
+def stop():
+    """Takes all speeds out: of cables, and of bodies in all directions in which nothing leads them."""
+    _stop(_movers())
+
+
+def _stop(movers):
+    for engine in cableEngines():
+        engine.velocity = [0.0] * len(engine.velocity)
+    for mover in movers:
+        mover.stop()
+
+
+def settle(tolerance=1e-3, limit=10.0, every=1e-3):
+    """Lets the whole scene come to rest, cables and bodies with their contacts and friction: whenever
+    the kinetic energy has begun to fall, all speeds are taken out (stop), until none comes up again.
+
+    tolerance   mean speed that still comes up, as part of the largest that there was, or of that of
+                a free fall over `every` if this is more
+    limit       time of the scene after which it gives up [s]: RuntimeError
+    every       how often it looks [s]
+
+    Returns the time of the scene that it took [s]; O.time has gone on by it. What leads bodies or
+    knots goes on leading them. Energies that O.trackEnergy counts do not balance over it: speeds are
+    taken out.
+    """
+    tolerance = values.positive("settle: tolerance", tolerance, "-")
+    limit = values.positive("settle: limit", limit, "s")
+    steps = stepsOf(every)
+    start, fall = O.time, _gravity() * steps * O.dt
+    fastest = reached = 0.0
+    for speed, reached in calming(steps):
+        fastest = max(fastest, speed)
+        if speed == 0 and reached <= tolerance * max(fastest, fall):
+            return O.time - start
+        if O.time - start >= limit:
+            raise RuntimeError(
+                f"settle: after {limit:g} s the scene still comes up to {reached:.3g} m/s on the mean: "
+                "something is led, slides on or falls; raise limit or tolerance, or hold it"
+            )
+
+
+def stepsOf(every):
+    """Steps in a time that settle is told, at least one."""
+    return max(1, round(values.positive("settle: every", every, "s") / O.dt))
+
+
+def calming(steps):
+    """Steps the scene on for ever, and takes all speeds out whenever kinetic energy has begun to fall.
+    Yields after every so many steps the mean speed, 0 where they were taken out, and the largest
+    since they were taken out before [m/s].
+    """
+    movers = _movers()
+    before = reached = 0.0
+    while True:
+        for _ in range(steps):
+            O.step()
+        energy, mass = _kinetic(movers)
+        speed = math.sqrt(2 * energy / mass) if mass > 0 else 0.0
+        reached = max(reached, speed)
+        if speed < before or speed == 0:
+            _stop(movers)
+            yield 0.0, reached
+            before = reached = 0.0
+        else:
+            yield speed, reached
+            before = speed
+
+
+def _gravity():
+    """What NewtonIntegrator lets fall [m/s2]."""
+    return max(
+        (e.gravity.norm() for e in O.engines if isinstance(e, wrapper.NewtonIntegrator)),
+        default=0.0,
+    )

@@ -12,12 +12,8 @@ from yade import O, Vector3, wrapper
 from . import values
 from .laying import curvatureWeights, shape, slopeWeights, unit
 
-SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT = (
-    1,
-    2,
-    4,
-    8,
-)  # bits of `kind`, plugin/c/include/ancf/model.h
+# bits of `kind`, plugin/c/include/ancf/model.h
+SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT, ENGINEERING = 1, 2, 4, 8, 16
 
 # Bit of groupMask that all bodies of elements have: the collider leaves their pairs out, which the
 # CableEngine finds itself.
@@ -26,7 +22,7 @@ ELEMENTS = 1 << 29
 MASK = 2**31 - 1  # largest groupMask: an int of YADE's
 SEGMENTS_MOST = 64  # of an element
 SMALLEST, LARGEST = 1e-30, 1e30  # of ea [N], rhoA [kg/m] and, from 0, ei [N m2]
-DAMPING_MOST = 1e6  # [s]
+DAMPING_MOST = 1e6  # [s], and of massDamping [1/s]
 ITERATIONS_MOST = 2**31 - 1  # of relax: an int of the engine's
 
 
@@ -38,6 +34,7 @@ class Section:
     area: float  # [m2]
     bending: float | None  # bending stiffness [N m2]; None: that of a full round of the material
     damping: float  # Kelvin-Voigt time [s]
+    massDamping: float  # mass-proportional damping [1/s]
     kind: int  # sum of the bits above
     material: object  # HollarsMat
 
@@ -45,6 +42,11 @@ class Section:
     def spring(self):
         """Whether it is a tension-only spring."""
         return bool(self.kind & SPRING)
+
+    @property
+    def engineering(self):
+        """Whether its strain is |r'| - 1, and not Green's."""
+        return bool(self.kind & (SPRING | ENGINEERING))
 
     @property
     def ea(self):
@@ -151,7 +153,9 @@ def section(
     mass="consistent",
     axialRule="exact",
     curvature="fast",
+    strain="green",
     damping=0.0,
+    massDamping=0.0,
 ):
     """Section from what the user gave; raises ValueError or TypeError that names the attribute."""
     mat = findMaterial(name, material)
@@ -160,6 +164,7 @@ def section(
     values.choice(f"{name}.mass", mass, ("consistent", "lumped"))
     values.choice(f"{name}.axialRule", axialRule, ("exact", "reduced"))
     values.choice(f"{name}.curvature", curvature, ("fast", "exact"))
+    values.choice(f"{name}.strain", strain, ("green", "engineering"))
     springs = model == "springs"
     if springs and bending is not None and bending != 0:
         values.refuse(f"{name}.bending", bending, "springs do not bend; use model='ancf'")
@@ -175,8 +180,10 @@ def section(
     kind |= LUMPED if springs or mass == "lumped" else 0
     kind |= AXIAL_REDUCED if not springs and axialRule == "reduced" else 0
     kind |= CURVATURE_EXACT if not springs and curvature == "exact" else 0
+    kind |= ENGINEERING if not springs and strain == "engineering" else 0
     damping = values.notNegative(f"{name}.damping", damping, "s", DAMPING_MOST)
-    made = Section(diameter, area, bending, damping, kind, mat)
+    massDamping = values.notNegative(f"{name}.massDamping", massDamping, "1/s", DAMPING_MOST)
+    made = Section(diameter, area, bending, damping, massDamping, kind, mat)
     _checkSection(name, made)
     return made
 
@@ -307,7 +314,7 @@ class Span:
         return self._structure._needEngine("tension").tension(self._engineElement(k), xi)
 
     def strain(self, s):
-        """Strain at s [-]: Green's for ANCF, engineering strain for springs."""
+        """Strain at s [-]: Green's, or engineering strain, as for springs always."""
         k, xi = self._place(s)
         return self._structure._needEngine("strain").strain(self._engineElement(k), xi)
 
@@ -494,6 +501,7 @@ class Structure:
             sec.ei,
             sec.rhoA,
             sec.damping,
+            sec.massDamping,
         )
 
     def _note(self):
@@ -512,6 +520,7 @@ class Structure:
                 "area": section.area,
                 "bending": section.bending,
                 "damping": section.damping,
+                "massDamping": section.massDamping,
             },
             "shows": {
                 "contact": self.contact,

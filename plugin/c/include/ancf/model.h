@@ -19,6 +19,7 @@ enum {
     ANCF_LUMPED = 2,          // diagonal mass
     ANCF_AXIAL_REDUCED = 4,   // axial energy by 3 Gauss points instead of exactly
     ANCF_CURVATURE_EXACT = 8, // bending by kappa = |r' x r''|/|r'|^2 instead of |r''|
+    ANCF_ENGINEERING = 16,    // axial strain |r'| - 1 instead of (r'.r' - 1)/2; of springs always
 };
 
 typedef struct {
@@ -28,6 +29,7 @@ typedef struct {
     double ei;      // bending stiffness [N m2]; 0: none is computed
     double rho_a;   // mass per length [kg/m]
     double damping; // Kelvin-Voigt time [s]; 0: none is computed
+    double drag;    // mass-proportional damping [1/s]; 0: none is computed
 } ancf_element;
 
 // How a node moves, and how a slope does.
@@ -103,10 +105,11 @@ typedef struct {
     double* weight; // (n_dof) gravity's force is weight g [kg or kg m]
     double gravity[3];
     bool unloaded;           // external is zero, and is not read
+    bool dragged;            // some elements have mass-proportional damping
     bool track;              // elastic and what follows are wanted
     double elastic;          // energy at the positions that the last step started from [J]
-    double damping_power[2]; // of Kelvin-Voigt forces in the last step, at the velocities before and after [W]
-    double damping_work;     // taken out by Kelvin-Voigt forces so far [J]
+    double damping_power[2]; // of Kelvin-Voigt forces and drag in the last step, at the velocities before and after [W]
+    double damping_work;     // taken out by them so far [J]
     double damping_half;     // of that, before the positions that the last step started from [J]
 
     double *x, *v;    // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.

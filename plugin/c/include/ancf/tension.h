@@ -4,8 +4,8 @@
 
 #include "model.h"
 
-// Strain at xi: Green's (r'.r' - 1)/2 for ANCF, engineering strain for springs [-]. Where an element bends, the strain
-// of its cubic swings about what it is on the mean.
+// Strain at xi: Green's (r'.r' - 1)/2, or engineering strain |r'| - 1 [-], always for springs. Where an element bends,
+// the strain of its cubic swings about what it is on the mean.
 double ancf_strain(const ancf_model* m, const double* x, int element, double xi);
 
 // Tension at xi, damping included [N]: of a spring its force; of ANCF elements the part along the cable of the internal
