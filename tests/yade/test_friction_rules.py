@@ -14,7 +14,9 @@ RULES = {"min": 0.2, "max": 0.5, "mean": 0.35, "pair": 0.4}
 def materials():
     """One with mu = 0.2 and one with 0.5."""
     for label, mu in (("low", 0.2), ("high", 0.5)):
-        material(label, young=1e7, density=1000, staticFriction=mu, kineticFriction=mu)
+        material(
+            label, young=1e7, density=1000, staticFriction=mu, kineticFriction=mu, impactDamping=50
+        )
 
 
 def mixing(rule):
@@ -30,7 +32,7 @@ def rope(**options):
 
 def slowing(speed, time=0.02):
     """Mean deceleration [m/s2]."""
-    steps(round(0.01 / O.dt))
+    steps(round(0.03 / O.dt))
     before, start = speed(), O.time
     steps(round(time / O.dt))
     return (before - speed()) / (O.time - start)
@@ -70,9 +72,9 @@ def test_cable_on_a_plane(scene, rule):
 
 @pytest.mark.parametrize("rule", RULES)
 def test_cable_on_cables(scene, rule):
-    """Two led cables that are as fast as the one between them is slow."""
+    """One that slides over two taut ones."""
     materials()
-    c = rope(diameter=1e-2)
+    c = rope(bending=None, damping=1e-3)
     under = [
         ancf.Cable(
             [(x, -0.3, -0.01), (x, 0.3, -0.01)], 4, diameter=1e-2, material="high", tension=200
@@ -83,13 +85,9 @@ def test_cable_on_cables(scene, rule):
         rail.fix(0)
         rail.fix(-1)
     O.engines = ancf.engines(c, *under, gravity=(0, 0, -G), contact=mixing(rule))
-    c.relax(1e-6)
+    ancf.settle()
     c.setVelocity(lambda p: Vector3(0, 1, 0))
-    for rail in under:
-        rail.setVelocity(lambda p: Vector3.Zero)
-    momentum = lambda: np.dot(c.engine.rhoA[:4], c.engine.length[:4]) * c.velocity(0.5)[1]
-    mass = c.mass
-    a = slowing(lambda: momentum() / mass, 0.05)
+    a = slowing(lambda: np.mean([c.velocity(s)[1] for s in np.linspace(0, 1, 17)]), 0.05)
     assert a == pytest.approx(RULES[rule] * G, rel=5e-2)
 
 

@@ -94,7 +94,7 @@ def test_moment_of_a_cantilever_under_load(stiff):
 @pytest.mark.parametrize("integrator", ["leapfrog", "implicit"])
 def test_moment_is_the_change_of_angular_momentum(stiff, knot, mass, integrator):
     """About the clamp, which a body turns faster and faster; at an end, and where a slope goes on."""
-    b = beam(((0, 0, 0), (0.2, 0, 0), (0.5, 0, 0)), 2, mass=mass, damping=1e-4)
+    b = beam(((0, 0, 0), (0.2, 0, 0), (0.5, 0, 0)), 2, mass=mass, damping=1e-5)
     centre = hub(b.knots[knot])
     b.clamp(knot, centre)
     O.engines = ancf.engines(b, integrator=integrator)
@@ -114,8 +114,7 @@ def test_moment_is_the_change_of_angular_momentum(stiff, knot, mass, integrator)
         off = max(off, np.abs((after - before) / O.dt - moment).max())
         size = max(size, np.abs(moment).max())
         before = after
-    print(off / size)
-    assert off < 5e-3 * size
+    assert off < (1e-6 if integrator == "leapfrog" else 5e-3) * size
     assert size > 1
 
 
@@ -138,7 +137,6 @@ def test_energy_of_a_clamp_that_is_turned_fast(stiff, substeps):
     stored = energy["kinetic"] + energy["bending"] + energy["axial"]
     assert stored > 0.1
     assert work == pytest.approx(stored, rel=2e-3)
-    print(b.engine.energyOff / b.engine.energyScale, work / stored - 1)
     assert abs(b.engine.energyOff) < 1e-5 * b.engine.energyScale
 
 
@@ -172,7 +170,6 @@ def test_contact_on_a_clamped_element(stiff):
             size[k] += np.abs(told[k] * O.dt).max()
         before, touched = after, touched + b.engine.contacts
     assert touched > 20
-    print(off / size)
     assert off[0] < 1e-6 * size[0]
     assert off[1] < 1e-3 * size[1]
 

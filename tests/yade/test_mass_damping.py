@@ -41,7 +41,8 @@ def test_free_chains_slow_down(soft, model):
     c.setVelocity(lambda p: Vector3(0, 0, 1))
     O.engines = ancf.engines(c)
     steps(round(0.3 / O.dt))
-    assert c.velocity(0.3)[2] == pytest.approx(math.exp(-ALPHA * O.time), rel=1e-3)
+    exact = math.exp(-ALPHA * (O.time - O.dt / 2))
+    assert c.velocity(0.3)[2] == pytest.approx(exact, rel=ALPHA**2 * O.dt * O.time)
 
 
 def test_swing_dies_away(soft):
@@ -104,23 +105,22 @@ def test_bad_values(soft):
 
 
 def test_settle_brings_a_mixed_scene_to_rest(soft):
-    """A ball on a hammock, one that hangs, and a stack on the floor: what holds them is their weight."""
+    """A ball that hangs on a slack line, and a stack on the floor: what holds them is their weight."""
     plane((0, 0, -1.1), (1, 1, 0.1), material="soft")
     hammock = cable(((-0.3, 0, 0.01), (0, 0, 0), (0.3, 0, 0.01)), 4, massDamping=0, contactPoints=3)
     hammock.fix(0)
     hammock.fix(-1)
-    hung = ball((0, 0, -0.5), 0.03, material="soft")
+    hung = ball((0, 0, -0.5), 0.03, mass=0.1, material="soft")
     line = cable(((0, 0, 0), (0, 0, -0.5)), 3, massDamping=0, contactPoints=0, label="line")
     line.tie(0, hammock, 1)
     line.carry(-1, hung)
-    low = ball((0.5, 0, -0.97), 0.03, material="soft")
-    high = ball((0.5, 0, -0.9), 0.03, material="soft")
+    low = ball((0.5, 0, -0.97), 0.03, mass=0.1, material="soft")
+    high = ball((0.5, 0, -0.9), 0.03, mass=0.1, material="soft")
     O.bodies[high].state.blockedDOFs = "xyXYZ"
     led = ball((2, 0, 0), 0.01, material="soft", mask=2)
-    O.bodies[led].state.blockedDOFs = "xyzXYZ"
     O.bodies[led].state.vel = Vector3(0, 0, 0.1)
     O.engines = ancf.engines(hammock, line, gravity=(0, 0, -G))
-    took = ancf.settle(1e-3)
+    took = ancf.settle(1e-4)
     assert 0.01 < took < 10
     mass = lambda i: O.bodies[i].state.mass
     weight = (hammock.mass + line.mass + mass(hung)) * G
@@ -142,7 +142,7 @@ def test_settle_tells_what_does_not_come_to_rest(soft):
 def test_stop_leaves_what_is_led(soft):
     c = cable(massDamping=0)
     c.setVelocity(lambda p: Vector3(1, 1, 1))
-    free = ball((0, 1, 0), 0.01, material="soft")
+    free = ball((0, 1, 0), 0.01, mass=0.01, material="soft")
     state = O.bodies[free].state
     state.blockedDOFs = "xZ"
     state.vel, state.angVel = Vector3(1, 2, 3), Vector3(4, 5, 6)
