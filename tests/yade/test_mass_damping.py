@@ -120,15 +120,19 @@ def test_settle_brings_a_mixed_scene_to_rest(soft):
     led = ball((2, 0, 0), 0.01, material="soft", mask=2)
     O.bodies[led].state.vel = Vector3(0, 0, 0.1)
     O.engines = ancf.engines(hammock, line, gravity=(0, 0, -G))
-    took = ancf.settle(1e-4)
+    took = ancf.settle()
     assert 0.01 < took < 10
     mass = lambda i: O.bodies[i].state.mass
     weight = (hammock.mass + line.mass + mass(hung)) * G
-    steps(1)
-    assert hammock.anchorForce()[2] == pytest.approx(weight, rel=1e-2)
-    floor = sum(i.phys.normalForce.norm() for i in O.bodies[0].intrs() if i.isReal)
-    assert floor == pytest.approx((mass(low) + mass(high)) * G, rel=1e-2)
-    assert O.bodies[hung].state.vel.norm() < 1e-2
+    held, floor = [], []
+    for _ in range(round(0.05 / O.dt)):  # what still rings in the contacts has no mean
+        O.step()
+        held.append(hammock.anchorForce()[2])
+        touching = [i for i in O.bodies[0].intrs() if i.isReal]
+        floor.append(sum(i.phys.normalForce.norm() for i in touching))
+    assert np.mean(held) == pytest.approx(weight, rel=1e-2)
+    assert np.mean(floor) == pytest.approx((mass(low) + mass(high)) * G, rel=1e-2)
+    assert O.bodies[hung].state.vel.norm() < 5e-3
     assert O.bodies[led].state.vel == Vector3(0, 0, 0.1)
 
 
