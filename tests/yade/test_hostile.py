@@ -408,7 +408,7 @@ BAD_IDS = (-1, 99, MOST)
 METHODS = (
     [
         ("CableEngine", lambda e, m=m, n=n: getattr(e, m)(n))
-        for m in ("fix", "release", "tied", "elementsAt", "reaction")
+        for m in ("fix", "release", "tied", "elementsAt", "reaction", "moment")
         for n in BAD_NODES
     ]
     + [
@@ -418,6 +418,14 @@ METHODS = (
     ]
     + [("CableEngine", lambda e, n=n: e.tie(*n)) for n in ((0, 0), (3, 9), (-1, 0), (0, 3), (1, 4))]
     + [("CableEngine", lambda e, n=n: e.clamp(*n)) for n in ((4, 0), (-1, 0), (0, 2), (MOST, 1))]
+    + [
+        ("CableEngine", lambda e, n=n: e.followSlope(*n))
+        for n in ((4, 0), (-1, 0), (0, 2), (MOST, 1), (0, 1))
+    ]
+    + [
+        ("CableEngine", lambda e, r=r: e.maxTension(*r))
+        for r in ((-1, 2, 8), (0, 5, 8), (3, 3, 8), (0, 4, 0))
+    ]
     + [("CableEngine", lambda e, i=i: e.follow(1, i)) for i in (*BAD_IDS, 0, BALL)]
     + [
         ("CableEngine", lambda e, i=i: e.carry(1, i, (0, 0, 0)))
@@ -434,7 +442,7 @@ METHODS = (
     + [
         ("CableEngine", lambda e, o=o: added(e, **o))
         for o in (
-            dict(kind=16),
+            dict(kind=32),
             dict(kind=-1),
             dict(kind=2**30),
             dict(length=array([0.0])),
@@ -445,6 +453,8 @@ METHODS = (
             dict(ei=-1.0),
             dict(rhoA=0.0),
             dict(damping=INF),
+            dict(massDamping=-1.0),
+            dict(massDamping=NAN),
             dict(ends=array([[0, 2]], int)),
             dict(ends=array([[0, 0]], int)),
             dict(ends=array([0], int)),
