@@ -222,7 +222,7 @@ ANCF_CLONES static void move_whole(ancf_model* m, const mover* by) {
 void ancf_advance(ancf_model* m, const ancf_time* time) {
     const mover by = {
         .kick = ancf_kick(time), .step = time->step, .gravity = {m->gravity[0], m->gravity[1], m->gravity[2]}};
-    if (m->track) {
+    if (m->track || m->dragged) {
         ancf_predict(m, time);
         ancf_correct(m, time, m->free, NULL);
         return;

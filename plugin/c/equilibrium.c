@@ -1,4 +1,5 @@
 #include "ancf/equilibrium.h"
+#include "ancf/stability.h"
 #include "ancf/tension.h"
 #include "internal.h"
 #include "settle.h"
@@ -155,7 +156,7 @@ ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations, anc
     for (int k = 0; k < iterations; ++k) {
         if (k % REFRESH == 0) {
             int element;
-            const double needed = 1.2 * (1.0 + 3.0 * fmax(ancf_strain_max(m, m->x, &element), 0.0));
+            const double needed = 1.2 * ancf_stiffening(0, ancf_strain_max(m, m->x, &element));
             if (needed > stiffening || needed < 0.5 * stiffening) fictitious_mass(mass, m, stiffening = needed);
         }
         memcpy(before, m->f, field * sizeof *before);

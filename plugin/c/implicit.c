@@ -3,6 +3,7 @@
 #include "ancf/mass.h"
 #include "ancf/stability.h"
 #include "internal.h"
+#include "massdamp.h"
 #include "stiffness.h"
 
 #include <math.h>
@@ -63,7 +64,7 @@ static void force_now(ancf_implicit* s, ancf_model* m, double* force) {
         s->kept = true;
     }
     copy(force, s->kept_f, m);
-    ancf_add_loads(m, force);
+    ancf_add_loads(m, force, m->v);
 }
 
 // ---------------------------------------------------------------- what is held
@@ -175,7 +176,7 @@ static double kinetic_energy(ancf_implicit* s, const ancf_model* m, const double
     return 0.5 * product(m, v, s->inertia, true);
 }
 
-// What a part of a step took out: by Kelvin-Voigt forces, and beyond it by weighting inertia and elastic forces so that
+// What a part of a step took out: by damping forces, and beyond it by weighting inertia and elastic forces so that
 // their work is more than the energies gain. Uses m->work.
 static void note_losses(ancf_implicit* s, ancf_model* m, const weights* w) {
     const int n = 3 * m->stride;
@@ -191,6 +192,7 @@ static void note_losses(ancf_implicit* s, ancf_model* m, const weights* w) {
             damping[i] += part * (all[i] - alone[i]);
             elastic[i] += part * alone[i];
         }
+        if (m->dragged) ancf_massdamp_force(damping, m, v, part);
     }
     m->damping_work -= product(m, damping, way, false);
     ancf_mass_multiply(m, s->inertia, m->a);

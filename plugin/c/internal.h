@@ -31,8 +31,8 @@ void ancf_model_slope_weights(double T[4], const ancf_model* m, int element, dou
 // m->f = all forces but contact at a state.
 void ancf_total_force(ancf_model* m, const double* x, const double* v);
 
-// Adds m->external and gravity to the forces of elements, and joins them.
-void ancf_add_loads(const ancf_model* m, double* force);
+// Adds m->external, gravity and mass-proportional damping at a velocity to the forces of elements, and joins them.
+void ancf_add_loads(const ancf_model* m, double* force, const double* v);
 
 // Whether a sum over all unknowns takes this one: of a shared slope's two copies the start's alone.
 static inline bool ancf_model_counts(const ancf_model* m, int dof) {

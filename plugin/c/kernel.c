@@ -70,7 +70,9 @@ ANCF_INLINE void forces_of(const ancf_fields* K, int e, const double h[ANCF_GRAM
     }
 }
 
-ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bending, int damped) {
+ANCF_INLINE int points_of(int strain) { return strain == ANCF_STRETCH_REDUCED ? 3 : 5; }
+
+ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int strain, int bending, int damped) {
     const ancf_fields K = *fields;
     const ancf_rule rule = *of;
 #pragma GCC ivdep
@@ -85,7 +87,8 @@ ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bendin
             ancf_gram_rate(rate, d, q, k, dv, qv, kv);
             for (int i = 0; i < ANCF_GRAM; ++i) at[i] += K.eta[e] * rate[i];
         }
-        ancf_axial(h, at, &rule, K.ea[e], 1.0);
+        if (strain == ANCF_GREEN) ancf_axial(h, at, &rule, K.ea[e], 1.0);
+        else ancf_stretch(h, G, rate, points_of(strain), K.ea[e], K.eta[e], damped, 1.0);
         if (bending == ANCF_FAST) {
             h[ANCF_QQ] += 0.5 * K.ei[e];
             h[ANCF_KK] += 1.5 * K.ei[e];
@@ -97,16 +100,30 @@ ANCF_INLINE void beam(const ancf_fields* fields, const ancf_rule* of, int bendin
 }
 
 // One function per combination that a scene can have, so that none computes what it does not need.
-#define ANCF_BEAM_KERNEL(name, bending, damped)                                                                        \
+#define ANCF_BEAM_KERNEL(name, strain, bending, damped)                                                                \
     ANCF_CLONES static void name(const ancf_fields* fields, const ancf_rule* rule) {                                   \
-        beam(fields, rule, bending, damped);                                                                           \
+        beam(fields, rule, strain, bending, damped);                                                                   \
     }
-ANCF_BEAM_KERNEL(straight, ANCF_STRAIGHT, 0)
-ANCF_BEAM_KERNEL(straight_damped, ANCF_STRAIGHT, 1)
-ANCF_BEAM_KERNEL(fast, ANCF_FAST, 0)
-ANCF_BEAM_KERNEL(fast_damped, ANCF_FAST, 1)
-ANCF_BEAM_KERNEL(exact, ANCF_EXACT, 0)
-ANCF_BEAM_KERNEL(exact_damped, ANCF_EXACT, 1)
+#define ANCF_BEAM_KERNELS(name, strain)                                                                                \
+    ANCF_BEAM_KERNEL(name##_straight, strain, ANCF_STRAIGHT, 0)                                                        \
+    ANCF_BEAM_KERNEL(name##_straight_damped, strain, ANCF_STRAIGHT, 1)                                                 \
+    ANCF_BEAM_KERNEL(name##_fast, strain, ANCF_FAST, 0)                                                                \
+    ANCF_BEAM_KERNEL(name##_fast_damped, strain, ANCF_FAST, 1)                                                         \
+    ANCF_BEAM_KERNEL(name##_exact, strain, ANCF_EXACT, 0)                                                              \
+    ANCF_BEAM_KERNEL(name##_exact_damped, strain, ANCF_EXACT, 1)
+ANCF_BEAM_KERNELS(green, ANCF_GREEN)
+ANCF_BEAM_KERNELS(stretch, ANCF_STRETCH)
+ANCF_BEAM_KERNELS(stretch_reduced, ANCF_STRETCH_REDUCED)
+
+// (strains x bendings x 2) functions of a name.
+#define ANCF_OF_STRAIN(name)                                                                                           \
+    {                                                                                                                  \
+        {name##_straight, name##_straight_damped}, {name##_fast, name##_fast_damped}, {                                \
+            name##_exact, name##_exact_damped                                                                          \
+        }                                                                                                              \
+    }
+#define ANCF_OF_STRAINS(prefix)                                                                                        \
+    { ANCF_OF_STRAIN(prefix##green), ANCF_OF_STRAIN(prefix##stretch), ANCF_OF_STRAIN(prefix##stretch_reduced) }
 
 // Tension-only spring and damper, k = EA/dl (Eq. 1), engineering strain |d| - 1.
 ANCF_CLONES static void spring(const ancf_fields* fields) {
@@ -136,10 +153,10 @@ void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped)
         spring(fields);
         return;
     }
-    static void (*const beams[ANCF_BENDINGS][2])(const ancf_fields*, const ancf_rule*) = {
-        {straight, straight_damped}, {fast, fast_damped}, {exact, exact_damped}};
+    static void (*const beams[ANCF_STRAINS][ANCF_BENDINGS][2])(const ancf_fields*, const ancf_rule*) =
+        ANCF_OF_STRAINS();
     const ancf_rule rule = ancf_rule_of(kind);
-    beams[ancf_bending_of(kind, bending)][damped](fields, &rule);
+    beams[ancf_strain_of(kind)][ancf_bending_of(kind, bending)][damped](fields, &rule);
 }
 
 // (L kappa)^2 at the 3 Gauss points, with their weights.
@@ -162,8 +179,8 @@ ANCF_INLINE double sum_of(const double* a, int n) {
 }
 
 // Energies of single elements are summed up after, so that the loop stays one lane each.
-ANCF_INLINE void books_of(ancf_account* account, const ancf_fields* fields, const ancf_rule* by, int bending,
-                          int damped) {
+ANCF_INLINE void books_of(ancf_account* account, const ancf_fields* fields, const ancf_rule* by, int strain,
+                          int bending, int damped) {
     const ancf_fields K = *fields;
     const ancf_rule rule = *by;
     double axial[ANCF_TILE], bent[ANCF_TILE];
@@ -172,14 +189,16 @@ ANCF_INLINE void books_of(ancf_account* account, const ancf_fields* fields, cons
         double d[3], q[3], k[3], G[ANCF_GRAM];
         vectors_of(d, q, k, K.way, K.g0, K.g1, K.inv_length, e);
         ancf_gram(G, d, q, k);
-        axial[e] = ancf_axial_energy(G, &rule, K.ea[e]);
+        if (strain == ANCF_GREEN) axial[e] = ancf_axial_energy(G, &rule, K.ea[e]);
+        else axial[e] = ancf_stretch_energy(G, points_of(strain), K.ea[e]);
         if (bending == ANCF_FAST) bent[e] = 0.5 * K.ei[e] * (G[ANCF_QQ] + 3.0 * G[ANCF_KK]);
         if (bending == ANCF_EXACT) bent[e] = 0.5 * K.ei[e] * exact_curvature2(G);
         if (!damped) continue;
         double dv[3], qv[3], kv[3], rate[ANCF_GRAM], h[ANCF_GRAM];
         vectors_of(dv, qv, kv, K.wayv, K.g0v, K.g1v, K.inv_length, e);
         ancf_gram_rate(rate, d, q, k, dv, qv, kv);
-        ancf_axial(h, rate, &rule, K.ea[e] * K.eta[e], 0.0);
+        if (strain == ANCF_GREEN) ancf_axial(h, rate, &rule, K.ea[e] * K.eta[e], 0.0);
+        else ancf_stretch(h, G, rate, points_of(strain), K.ea[e], K.eta[e], damped, 0.0);
         if (bending == ANCF_FAST) damp_fast(h, G, rate, K.ei[e] * K.eta[e]);
         if (bending == ANCF_EXACT) bend_exact(h, G, rate, K.ei[e], K.eta[e], damped, 0.0);
         forces_of(&K, e, h, d, q, k);
@@ -188,16 +207,20 @@ ANCF_INLINE void books_of(ancf_account* account, const ancf_fields* fields, cons
         (ancf_account) {.axial = sum_of(axial, K.n), .bending = bending == ANCF_STRAIGHT ? 0.0 : sum_of(bent, K.n)};
 }
 
-#define ANCF_BOOKS(name, bending, damped)                                                                              \
+#define ANCF_BOOK(name, strain, bending, damped)                                                                       \
     ANCF_CLONES static void name(ancf_account* account, const ancf_fields* fields, const ancf_rule* rule) {            \
-        books_of(account, fields, rule, bending, damped);                                                              \
+        books_of(account, fields, rule, strain, bending, damped);                                                      \
     }
-ANCF_BOOKS(books_straight, ANCF_STRAIGHT, 0)
-ANCF_BOOKS(books_straight_damped, ANCF_STRAIGHT, 1)
-ANCF_BOOKS(books_fast, ANCF_FAST, 0)
-ANCF_BOOKS(books_fast_damped, ANCF_FAST, 1)
-ANCF_BOOKS(books_exact, ANCF_EXACT, 0)
-ANCF_BOOKS(books_exact_damped, ANCF_EXACT, 1)
+#define ANCF_BOOKS(name, strain)                                                                                       \
+    ANCF_BOOK(name##_straight, strain, ANCF_STRAIGHT, 0)                                                               \
+    ANCF_BOOK(name##_straight_damped, strain, ANCF_STRAIGHT, 1)                                                        \
+    ANCF_BOOK(name##_fast, strain, ANCF_FAST, 0)                                                                       \
+    ANCF_BOOK(name##_fast_damped, strain, ANCF_FAST, 1)                                                                \
+    ANCF_BOOK(name##_exact, strain, ANCF_EXACT, 0)                                                                     \
+    ANCF_BOOK(name##_exact_damped, strain, ANCF_EXACT, 1)
+ANCF_BOOKS(books_green, ANCF_GREEN)
+ANCF_BOOKS(books_stretch, ANCF_STRETCH)
+ANCF_BOOKS(books_stretch_reduced, ANCF_STRETCH_REDUCED)
 
 ANCF_INLINE void spring_books_of(ancf_account* account, const ancf_fields* fields, int damped) {
     const ancf_fields K = *fields;
@@ -231,10 +254,11 @@ ANCF_CLONES static void books_spring_damped(ancf_account* account, const ancf_fi
 }
 
 void ancf_kernel_books(ancf_account* account, const ancf_fields* fields, int kind, bool bending, bool damped) {
-    static void (*const beams[ANCF_BENDINGS][2])(ancf_account*, const ancf_fields*, const ancf_rule*) = {
-        {books_straight, books_straight_damped}, {books_fast, books_fast_damped}, {books_exact, books_exact_damped}};
+    static void (*const beams[ANCF_STRAINS][ANCF_BENDINGS][2])(ancf_account*, const ancf_fields*, const ancf_rule*) =
+        ANCF_OF_STRAINS(books_);
     const ancf_rule rule = ancf_rule_of(kind);
-    if (!(kind & ANCF_SPRING)) beams[ancf_bending_of(kind, bending)][damped](account, fields, &rule);
+    if (!(kind & ANCF_SPRING))
+        beams[ancf_strain_of(kind)][ancf_bending_of(kind, bending)][damped](account, fields, &rule);
     else if (damped) books_spring_damped(account, fields);
     else books_spring(account, fields);
 }

@@ -14,11 +14,13 @@ int ancf_stride(int n_nodes, int n_elements) { return (n_nodes + 2 * n_elements 
 static bool is_finite_positive(double value) { return isfinite(value) && value > 0.0; }
 
 static ancf_error check_element(const ancf_element* e) {
-    if (e->kind & ~(ANCF_SPRING | ANCF_LUMPED | ANCF_AXIAL_REDUCED | ANCF_CURVATURE_EXACT)) return ANCF_E_KIND;
+    if (e->kind & ~(ANCF_SPRING | ANCF_LUMPED | ANCF_AXIAL_REDUCED | ANCF_CURVATURE_EXACT | ANCF_ENGINEERING))
+        return ANCF_E_KIND;
     if (!is_finite_positive(e->length)) return ANCF_E_LENGTH;
     if (!is_finite_positive(e->ea) || !isfinite(e->ei) || e->ei < 0.0) return ANCF_E_STIFFNESS;
     if (!is_finite_positive(e->rho_a)) return ANCF_E_MASS;
     if (!isfinite(e->damping) || e->damping < 0.0) return ANCF_E_DAMPING;
+    if (!isfinite(e->drag) || e->drag < 0.0) return ANCF_E_DRAG;
     if ((e->kind & ANCF_SPRING) && e->ei > 0.0) return ANCF_E_SPRING;
     return ANCF_OK;
 }
@@ -140,6 +142,7 @@ static void copy_elements(ancf_model* m, const ancf_def* def) {
         m->ea_length[e] = el->ea * el->length / 4.0;
         m->ei_length[e] = el->ei / el->length;
         m->damping[e] = el->damping;
+        if (el->drag > 0.0) m->dragged = true;
     }
     if (def->hold) memcpy(m->hold, def->hold, (size_t)m->n_dof * sizeof *m->hold);
 }
@@ -284,6 +287,16 @@ void ancf_model_mean_at(double value[3], const ancf_model* m, const double* fiel
         const double* u = field + c * m->stride;
         value[c] = S[0] * u[dof[0]] + S[1] * u[dof[1]] + S[2] * u[dof[2]] + S[3] * u[dof[3]];
     }
+}
+
+int ancf_model_twin(const ancf_model* m, int dof) {
+    const int k = dof - m->n_nodes, n = m->n_elements;
+    if (k < 0) return -1;
+    if (k >= n) return m->next[k - n] < 0 ? -1 : m->n_nodes + m->next[k - n];
+    const int node = m->ends[2 * k];
+    for (int i = m->first[node]; i < m->first[node + 1]; ++i)
+        if (m->at[i] & 1 && m->next[m->at[i] >> 1] == k) return m->n_nodes + n + (m->at[i] >> 1);
+    return -1;
 }
 
 void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi) {

@@ -69,12 +69,19 @@ double ancf_element_frequency(const ancf_element* el) {
     return sqrt(w2);
 }
 
+// Green's strain: EA (1 + 3 eps) along the cable; engineering strain: EA along it, and EA eps/(1 + eps) across, where
+// it comes on top of bending.
+double ancf_stiffening(int kind, double strain) {
+    return 1.0 + (kind & ANCF_ENGINEERING ? 1.0 : 3.0) * fmax(strain, 0.0);
+}
+
 double ancf_critical_step(const ancf_model* m, double strain, int* element) {
     double least = INFINITY;
     *element = 0;
-    const double stiffening = sqrt(1.0 + 3.0 * fmax(strain, 0.0));
     for (int e = 0; e < m->n_elements; ++e) {
-        const double w = ancf_element_frequency(&m->element[e]) * stiffening, z = 0.5 * m->element[e].damping * w;
+        const ancf_element* el = &m->element[e];
+        const double w = ancf_element_frequency(el) * sqrt(ancf_stiffening(el->kind, strain));
+        const double z = 0.5 * (el->damping * w + el->drag / w);
         const double step = 0.9 * (2.0 / w) / (sqrt(1.0 + z * z) + z); // as sqrt(1 + z^2) - z, which would cancel
         if (step >= least) continue;
         least = step;

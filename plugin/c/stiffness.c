@@ -65,6 +65,7 @@ static void find_places(ancf_stiffness* s, const ancf_model* m) {
             if (i < 0 || j < 0) continue;
             *place = i < j ? 2 * ancf_ldl_place(s->ldl, j, i) + 1 : 2 * ancf_ldl_place(s->ldl, i, j);
             s->mass[*place >> 1] += M[pair_row[p]][pair_column[p]];
+            s->drag[*place >> 1] += m->element[e].drag * M[pair_row[p]][pair_column[p]];
         }
     }
     for (int i = 0; i < m->n_nodes; ++i)
@@ -76,9 +77,11 @@ static ancf_error fill(ancf_stiffness* s, const ancf_model* m, int* pair) {
     const int unknowns = number_unknowns(s->row, m);
     const ancf_error error = ancf_ldl_create(&s->ldl, unknowns, pair, element_pairs(pair, m, s->row));
     if (error) return error;
-    s->mass = calloc(unknowns > 0 ? (size_t)s->ldl->begin[unknowns] : 1, sizeof *s->mass);
+    const size_t entries = unknowns > 0 ? (size_t)s->ldl->begin[unknowns] : 1;
+    s->mass = calloc(entries, sizeof *s->mass);
+    s->drag = calloc(entries, sizeof *s->drag);
     s->tangent = calloc(ANCF_TANGENT * n, sizeof *s->tangent);
-    if (!s->mass || !s->tangent) return ANCF_E_MEMORY;
+    if (!s->mass || !s->drag || !s->tangent) return ANCF_E_MEMORY;
     for (int i = 0; i < m->n_dof; ++i)
         if (s->row[i] >= 0) s->row[i] = s->ldl->row[s->row[i]];
     find_places(s, m);
@@ -111,6 +114,7 @@ void ancf_stiffness_destroy(ancf_stiffness* s) {
     free(s->per_size);
     free(s->place);
     free(s->mass);
+    free(s->drag);
     free(s->tangent);
     free(s);
 }
@@ -173,7 +177,7 @@ bool ancf_stiffness_factor(ancf_stiffness* s, const ancf_model* m, const double*
     if (ldl->n == 0) return true;
     ancf_tangent(s->tangent, m, x, v, rate, definite);
     for (int k = 0; k < ldl->begin[ldl->n]; ++k) {
-        const double mass = mu * s->mass[k];
+        const double mass = mu * s->mass[k] + rate * s->drag[k];
         ldl->value[k][0] = (ancf_column) {mass, 0.0, 0.0, 0.0};
         ldl->value[k][1] = (ancf_column) {0.0, mass, 0.0, 0.0};
         ldl->value[k][2] = (ancf_column) {0.0, 0.0, mass, 0.0};

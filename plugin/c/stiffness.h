@@ -10,6 +10,7 @@ typedef struct ancf_stiffness {
     int* row;         // (n_dof) of the matrix; -1: held, or nothing acts on it
     int* place;       // (n_elements x ELEMENT_PAIRS) 2 (number in ldl->value) + (1: transposed), or -1
     double* mass;     // (blocks of ldl) of M, each times I [kg, kg m, kg m2]
+    double* drag;     // (blocks of ldl) of M times each element's mass-proportional damping [kg/s and its like]
     double* per_size; // (n_dof) one over what a change counts by: the shortest element at a node, 1 at a slope [1/m, -]
     double* tangent;  // (n_elements x ANCF_TANGENT)
 } ancf_stiffness;
@@ -17,7 +18,8 @@ typedef struct ancf_stiffness {
 ancf_error ancf_stiffness_create(ancf_stiffness** stiffness, const ancf_model* m);
 void ancf_stiffness_destroy(ancf_stiffness* stiffness);
 
-// mu M + K at a state, and its factor; mu [1/s2], rate and definite as in tangent.h. False: not positive definite.
+// mu M + K, and rate times mass-proportional damping, at a state, and its factor; mu [1/s2], rate and definite as in
+// tangent.h. False: not positive definite.
 bool ancf_stiffness_factor(ancf_stiffness* stiffness, const ancf_model* m, const double* x, const double* v, double mu,
                            double rate, bool definite);
 

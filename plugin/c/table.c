@@ -595,18 +595,24 @@ void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* v
 void ancf_table_forces(const ancf_table* t, const ancf_model* m, double time, double* force) {
     for (int i = 0; i < t->n_places; ++i) {
         const ancf_place* p = &t->place[i];
-        for (int c = 0; c < 3; c++)
-            for (int k = 0; k < 4; ++k)
-                force[c * m->stride + p->dof[k]] += (p->S[k] * p->impulse[c] + p->T[k] * p->couple[c]) / time;
+        for (int k = 0; k < 4; ++k) {
+            const int dof = p->dof[k], twin = m->hold[dof] ? ancf_model_twin(m, dof) : -1;
+            for (int c = 0; c < 3; c++) {
+                const double more = (p->S[k] * p->impulse[c] + p->T[k] * p->couple[c]) / time;
+                force[c * m->stride + dof] += more;
+                if (twin >= 0) force[c * m->stride + twin] += more;
+            }
+        }
     }
 }
 
-void ancf_table_impulse(double impulse[3], const ancf_table* t, int dof) {
+void ancf_table_impulse(double impulse[3], const ancf_table* t, const ancf_model* m, int dof) {
+    const int twin = ancf_model_twin(m, dof);
     for (int c = 0; c < 3; c++) impulse[c] = 0.0;
     for (int i = 0; i < t->n_places; ++i)
         for (int k = 0; k < 4; ++k) {
             const ancf_place* p = &t->place[i];
-            if (p->idle || p->dof[k] != dof) continue;
+            if (p->idle || (p->dof[k] != dof && p->dof[k] != twin)) continue;
             for (int c = 0; c < 3; c++) impulse[c] += p->S[k] * p->impulse[c] + p->T[k] * p->couple[c];
         }
 }

@@ -56,8 +56,6 @@ ANCF_INLINE void combine(lane sum[3], const double w[3], const lane g0[3], const
 static const double gauss3_xi[3] = {0.5 - 0.38729833462074170, 0.5, 0.5 + 0.38729833462074170};
 static const double gauss5_xi[5] = {0.5 - 0.45308992296933199640, 0.5 - 0.26923465505284154552, 0.5,
                                     0.5 + 0.26923465505284154552, 0.5 + 0.45308992296933199640};
-static const double gauss5_weight[5] = {0.11846344252809454376, 0.23931433524968323402, 0.28444444444444444444,
-                                        0.23931433524968323402, 0.11846344252809454376};
 
 // An element's (g0, d, g1) and their rates.
 typedef struct {
@@ -71,24 +69,55 @@ typedef struct {
     lane_mask all;   // compressed places count as well
 } rules;
 
-// Axial energy EA L/2 int eps^2 with the stress eps + eta r'.dr'/dt.
-ANCF_INLINE void axial_tangent(blocks* K, const vectors* q, lane ea, lane eta, const rules* by, int points,
+// |r'|, or the least that has a direction.
+ANCF_INLINE lane stretch_of(lane square) {
+    for (int l = 0; l < LANES; ++l) square[l] = sqrt(ancf_with_direction(square[l]));
+    return square;
+}
+
+// At a point: r' and its rate, Green's strain. The stress is eps + eta r'.dr'/dt.
+ANCF_INLINE void green_point(lane A[6], const lane r[3], const lane rv[3], lane factor, lane eta, const rules* by,
+                             int damped) {
+    lane h[3], stress = 0.5 * (dot_lanes(r, r) - 1.0);
+    for (int c = 0; c < 3; ++c) h[c] = 0.5 * r[c];
+    if (damped) {
+        stress += eta * dot_lanes(r, rv);
+        for (int c = 0; c < 3; ++c) h[c] += 0.5 * eta * (by->rate * r[c] + by->geometry * rv[c]);
+    }
+    dyad(A, factor, r, h, (lane)((lane_mask)stress & ((stress > 0.0) | by->all)));
+}
+
+// The same with engineering strain: the force EA (|r'| - 1 + eta d|r'|/dt) is along r'.
+ANCF_INLINE void stretch_point(lane A[6], const lane r[3], const lane rv[3], lane factor, lane eta, const rules* by,
                                int damped) {
-    const double *xi = points == 3 ? gauss3_xi : gauss5_xi, *weight = points == 3 ? ancf_gauss3_weight : gauss5_weight;
+    const lane stretch = stretch_of(dot_lanes(r, r)), inv = 1.0 / stretch;
+    lane n[3], h[3], stress = stretch - 1.0, along = zero;
+    for (int c = 0; c < 3; ++c) n[c] = inv * r[c];
+    if (damped) {
+        along = dot_lanes(n, rv);
+        stress += eta * along;
+    }
+    stress = inv * (lane)((lane_mask)stress & ((stress > 0.0) | by->all));
+    for (int c = 0; c < 3; ++c) {
+        h[c] = 0.5 * (1.0 - stress) * n[c];
+        if (damped) h[c] += 0.5 * eta * (by->rate * n[c] + by->geometry * inv * (rv[c] - along * n[c]));
+    }
+    dyad(A, factor, n, h, stress);
+}
+
+// Axial energy EA L/2 int eps^2.
+ANCF_INLINE void axial_tangent(blocks* K, const vectors* q, lane ea, lane eta, const rules* by, int strain, int points,
+                               int damped) {
+    const double *xi = points == 3 ? gauss3_xi : gauss5_xi,
+                 *weight = points == 3 ? ancf_gauss3_weight : ancf_gauss5_weight;
     for (int p = 0; p < points; ++p) {
         double s[3];
-        lane r[3], h[3], A[6];
+        lane r[3], rv[3], A[6];
         ancf_shape_slope(s, xi[p]);
         combine(r, s, q->g0, q->d, q->g1);
-        lane stress = 0.5 * (dot_lanes(r, r) - 1.0);
-        for (int c = 0; c < 3; ++c) h[c] = 0.5 * r[c];
-        if (damped) {
-            lane rv[3];
-            combine(rv, s, q->g0v, q->dv, q->g1v);
-            stress += eta * dot_lanes(r, rv);
-            for (int c = 0; c < 3; ++c) h[c] += 0.5 * eta * (by->rate * r[c] + by->geometry * rv[c]);
-        }
-        dyad(A, 4.0 * ea * weight[p], r, h, (lane)((lane_mask)stress & ((stress > 0.0) | by->all)));
+        if (damped) combine(rv, s, q->g0v, q->dv, q->g1v);
+        if (strain == ANCF_GREEN) green_point(A, r, rv, 4.0 * ea * weight[p], eta, by, damped);
+        else stretch_point(A, r, rv, 4.0 * ea * weight[p], eta, by, damped);
         add_point(K, s, A);
     }
 }
@@ -272,7 +301,7 @@ ANCF_INLINE void write_blocks(const kernel_fields* K, const blocks* B, int e, in
     }
 }
 
-ANCF_INLINE void beam_kernel(const kernel_fields* k, int points, int bending, int damped) {
+ANCF_INLINE void beam_kernel(const kernel_fields* k, int strain, int points, int bending, int damped) {
     const kernel_fields K = *k;
     for (int e = 0; e < K.n; e += LANES) {
         const int count = K.n - e < LANES ? K.n - e : LANES;
@@ -280,7 +309,7 @@ ANCF_INLINE void beam_kernel(const kernel_fields* k, int points, int bending, in
         blocks B = {0};
         read_vectors(&q, &K, e, count, damped);
         const lane ea = read_lanes(K.ea, e, count), ei = read_lanes(K.ei, e, count), eta = read_lanes(K.eta, e, count);
-        axial_tangent(&B, &q, ea, eta, &K.by, points, damped);
+        axial_tangent(&B, &q, ea, eta, &K.by, strain, points, damped);
         if (bending == ANCF_FAST) {
             bend_fast_tangent(&B, ei);
             if (damped) damp_fast_tangent(&B, &q, ei * eta, &K.by);
@@ -292,8 +321,14 @@ ANCF_INLINE void beam_kernel(const kernel_fields* k, int points, int bending, in
 
 // One function per combination that a scene can have.
 #define ANCF_TANGENT_KERNEL(name, bending, damped)                                                                     \
-    ANCF_CLONES static void name(const kernel_fields* k) { beam_kernel(k, 5, bending, damped); }                       \
-    ANCF_CLONES static void name##_reduced(const kernel_fields* k) { beam_kernel(k, 3, bending, damped); }
+    ANCF_CLONES static void name(const kernel_fields* k) { beam_kernel(k, ANCF_GREEN, 5, bending, damped); }           \
+    ANCF_CLONES static void name##_reduced(const kernel_fields* k) { beam_kernel(k, ANCF_GREEN, 3, bending, damped); } \
+    ANCF_CLONES static void name##_stretch(const kernel_fields* k) {                                                   \
+        beam_kernel(k, ANCF_STRETCH, 5, bending, damped);                                                              \
+    }                                                                                                                  \
+    ANCF_CLONES static void name##_stretch_reduced(const kernel_fields* k) {                                           \
+        beam_kernel(k, ANCF_STRETCH, 3, bending, damped);                                                              \
+    }
 ANCF_TANGENT_KERNEL(straight, ANCF_STRAIGHT, 0)
 ANCF_TANGENT_KERNEL(straight_damped, ANCF_STRAIGHT, 1)
 ANCF_TANGENT_KERNEL(fast, ANCF_FAST, 0)
@@ -325,12 +360,16 @@ static void spring_kernel(const kernel_fields* K) {
 }
 
 static void choose_kernel(const ancf_tile* t, const kernel_fields* k) {
-    static void (*const beam[ANCF_BENDINGS][2][2])(const kernel_fields*) = {
-        {{straight, straight_reduced}, {straight_damped, straight_damped_reduced}},
-        {{fast, fast_reduced}, {fast_damped, fast_damped_reduced}},
-        {{exact, exact_reduced}, {exact_damped, exact_damped_reduced}}};
+    enum { REDUCED = 1, STRETCH = 2 };
+#define ANCF_RULES(name)                                                                                               \
+    { name, name##_reduced, name##_stretch, name##_stretch_reduced }
+    static void (*const beam[ANCF_BENDINGS][2][4])(const kernel_fields*) = {
+        {ANCF_RULES(straight), ANCF_RULES(straight_damped)},
+        {ANCF_RULES(fast), ANCF_RULES(fast_damped)},
+        {ANCF_RULES(exact), ANCF_RULES(exact_damped)}};
+    const int rule = (t->kind & ANCF_AXIAL_REDUCED ? REDUCED : 0) + (t->kind & ANCF_ENGINEERING ? STRETCH : 0);
     if (t->kind & ANCF_SPRING) spring_kernel(k);
-    else beam[ancf_bending_of(t->kind, t->bending)][t->damped][(t->kind & ANCF_AXIAL_REDUCED) != 0](k);
+    else beam[ancf_bending_of(t->kind, t->bending)][t->damped][rule](k);
 }
 
 void ancf_tangent(double* tangent, const ancf_model* m, const double* x, const double* v, double rate, bool definite) {

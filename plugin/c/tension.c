@@ -28,10 +28,15 @@ static void slope_at(double r[3], const ancf_model* m, const double* field, int 
     for (int c = 0; c < 3; ++c) r[c] = spring ? d[c] : s[0] * g0[c] + s[1] * d[c] + s[2] * g1[c];
 }
 
+// Strain of a square of |r'|.
+static double strain_of(double square, int kind) {
+    return kind & (ANCF_SPRING | ANCF_ENGINEERING) ? sqrt(square) - 1.0 : 0.5 * (square - 1.0);
+}
+
 double ancf_strain(const ancf_model* m, const double* x, int element, double xi) {
     double r[3];
     slope_at(r, m, x, element, xi);
-    return m->element[element].kind & ANCF_SPRING ? sqrt(ancf_inner(r, r)) - 1.0 : 0.5 * (ancf_inner(r, r) - 1.0);
+    return strain_of(ancf_inner(r, r), m->element[element].kind);
 }
 
 // Internal force in the middle of an element [N]: the mean along it, weighted as the work is of a way of its one end,
@@ -92,6 +97,21 @@ double ancf_tension(const ancf_model* m, int element, double xi) {
     return ancf_inner(force, r) / sqrt(ancf_inner(r, r) + DBL_MIN);
 }
 
+double ancf_tension_max(int* element, double* xi, const ancf_model* m, int begin, int end, int parts) {
+    double largest = -INFINITY;
+    *element = begin;
+    *xi = 0.0;
+    for (int e = begin; e < end; ++e)
+        for (int k = 0; k <= parts; ++k) {
+            const double at = (double)k / parts, tension = ancf_tension(m, e, at);
+            if (tension <= largest) continue;
+            largest = tension;
+            *element = e;
+            *xi = at;
+        }
+    return largest;
+}
+
 double ancf_strain_max(const ancf_model* m, const double* x, int* element) {
     double largest = -INFINITY;
     *element = 0;
@@ -109,7 +129,7 @@ double ancf_strain_max(const ancf_model* m, const double* x, int* element) {
         }
         const bool spring = m->element[e].kind & ANCF_SPRING;
         const double square = spring ? middle : fmax(fmax(start, end), middle);
-        const double strain = spring ? sqrt(square) - 1.0 : 0.5 * (square - 1.0);
+        const double strain = strain_of(square, m->element[e].kind);
         if (strain > largest) {
             largest = strain;
             *element = e;

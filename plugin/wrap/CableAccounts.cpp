@@ -89,11 +89,19 @@ Vector3r CableEngine::pointVelocity(int element, Real xi) {
 
 Real CableEngine::tension(int element, Real xi) {
     checkPlace(element, xi, nElements());
-    if (!model) build();
-    if (!stepped) findForces();
-    model->x = position.data();
-    model->v = velocity.data();
+    needForces();
     return ancf_tension(model.get(), element, xi);
+}
+
+py::tuple CableEngine::maxTension(int first, int last, int parts) {
+    if (first < 0 || last > nElements() || first >= last || parts < 1)
+        throw std::out_of_range(text("CableEngine.maxTension: elements ", first, " to ", last, ", parts = ", parts,
+                                     ": there are ", nElements(), " elements; parts must be 1 or more"));
+    needForces();
+    int element;
+    Real xi;
+    const Real tension = ancf_tension_max(&element, &xi, model.get(), first, last, parts);
+    return py::make_tuple(tension, element, xi);
 }
 
 Real CableEngine::strain(int element, Real xi) {
@@ -109,6 +117,14 @@ void CableEngine::loadNodesAlone() {
     model->unloaded = false;
 }
 
+// Forces of the last step, and the state as it is.
+void CableEngine::needForces() {
+    if (!model) build();
+    if (!stepped) findForces();
+    model->x = position.data();
+    model->v = velocity.data();
+}
+
 // Before the first step of a model: forces and accelerations as they are without contact.
 void CableEngine::findForces() {
     takeGravity();
@@ -116,13 +132,13 @@ void CableEngine::findForces() {
     ancf_acceleration(model.get(), position.data(), velocity.data());
     for (size_t i = 0; i < carryNodes.size() && lastStep == 0; ++i) setCarryReaction(i, Vector3r::Zero());
     stepped = true;
+    movedBy = 0;
 }
 
 Vector3r CableEngine::reaction(int node) {
     checkNode(node, "reaction");
     node = tied(node);
-    if (!model) build();
-    if (!stepped) findForces();
+    needForces();
     for (size_t i = 0; i < carryNodes.size(); ++i)
         if (carryNodes[i] == node) return carryReaction[i];
     if (!has(fixedNodes, node) && !has(followNodes, node))
@@ -141,6 +157,29 @@ Real CableEngine::mobilityOfNode(int node) {
     force[node] = 1;
     ancf_mass_solve(model.get(), answer.data(), force.data());
     return answer[node];
+}
+
+Vector3r CableEngine::moment(int node) {
+    checkNode(node, "moment");
+    node = tied(node);
+    needForces();
+    const ancf_model* m = model.get();
+    Vector3r sum = Vector3r::Zero();
+    bool held = false;
+    for (int k = m->first[node]; k < m->first[node + 1]; ++k) {
+        const int e = m->at[k] >> 1, end = m->at[k] & 1, dof = nNodes + end * nElements() + e;
+        if (!m->hold[dof]) continue;
+        held = true;
+        if (end && m->next[e] >= 0) continue; // told with the start of the next element
+        Vector3r force;
+        ancf_reaction(force.data(), m, dof);
+        const Vector3r slope = nodeOf(m->x, m->stride, dof) - movedBy * nodeOf(m->v, m->stride, dof);
+        sum += slope.cross(force);
+    }
+    if (!held)
+        throw std::invalid_argument(
+            text("CableEngine.moment: node ", node, ": no slope is held there: clamp it, or ask for reaction"));
+    return sum;
 }
 
 py::dict CableEngine::energy(int first, int last) {

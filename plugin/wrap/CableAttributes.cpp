@@ -38,6 +38,8 @@ namespace {
             return text("rhoA = ", el.rho_a, " kg/m");
         case ANCF_E_DAMPING:
             return text("kelvinVoigt = ", el.damping, " s");
+        case ANCF_E_DRAG:
+            return text("massDamping = ", el.drag, " 1/s");
         case ANCF_E_SPRING:
             return text("kind = ", el.kind, " with ei = ", el.ei, " N m²");
         default:
@@ -97,7 +99,8 @@ namespace {
         all.size("next", c.next, n, why);
         all.size("kind", c.kind, n, why);
         for (const auto& [name, list] : {std::pair("length", &c.length), std::pair("ea", &c.ea), std::pair("ei", &c.ei),
-                                         std::pair("rhoA", &c.rhoA), std::pair("kelvinVoigt", &c.kelvinVoigt)}) {
+                                         std::pair("rhoA", &c.rhoA), std::pair("kelvinVoigt", &c.kelvinVoigt),
+                                         std::pair("massDamping", &c.massDamping)}) {
             all.size(name, *list, n, why);
             all.finiteEach(name, *list);
         }
@@ -106,7 +109,8 @@ namespace {
         if (n == 0) return;
         vector<ancf_element> elements;
         for (size_t i = 0; i < n; ++i)
-            elements.push_back({c.kind[i], c.length[i], c.ea[i], c.ei[i], c.rhoA[i], c.kelvinVoigt[i]});
+            elements.push_back(
+                {c.kind[i], c.length[i], c.ea[i], c.ei[i], c.rhoA[i], c.kelvinVoigt[i], c.massDamping[i]});
         vector<int> hold(static_cast<size_t>(c.nNodes) + 2 * n, ANCF_FREE);
         for (const int node : c.tiedNodes) // another stands for them
             if (node >= 0 && node < c.nNodes) hold[static_cast<size_t>(node)] = ANCF_HELD;
@@ -182,14 +186,23 @@ namespace {
         all.within("fixedNodes", c.fixedNodes, 0, c.nNodes, "a node of nNodes");
         all.within("clampedEnds", c.clampedEnds, 0, slopes, "2 element + end");
         all.distinct("clampedEnds", c.clampedEnds, "once is enough");
-        for (const int end : c.clampedEnds)
-            if (c.kind[end / 2] & ANCF_SPRING)
-                all.refuse("clampedEnds holds ", end, ": ", elementText(c, end / 2),
-                           " is a spring, which has no slope");
+        all.size("followSlopes", c.followSlopes, c.followEnds.size(), "one for each of followEnds");
+        all.within("followEnds", c.followEnds, 0, slopes, "2 element + end");
+        all.distinct("followEnds", c.followEnds, "once is enough");
+        all.finiteEach("followSlopes", c.followSlopes);
+        for (const auto& [name, list] :
+             {std::pair("clampedEnds", &c.clampedEnds), std::pair("followEnds", &c.followEnds)})
+            for (const int end : *list)
+                if (c.kind[end / 2] & ANCF_SPRING)
+                    all.refuse(name, " holds ", end, ": ", elementText(c, end / 2), " is a spring, which has no slope");
         all.size("followIds", c.followIds, c.followNodes.size(), "one for each of followNodes");
         all.size("followAt", c.followAt, c.followNodes.size(), "one for each of followNodes");
         all.within("followNodes", c.followNodes, 0, c.nNodes, "a node of nNodes");
         all.finiteEach("followAt", c.followAt);
+        for (const int end : c.followEnds)
+            if (has(c.clampedEnds, end) || !has(c.followNodes, c.ends[end]))
+                all.refuse("followEnds holds ", end, ": its node ", c.ends[end],
+                           " must be in followNodes, and it not in clampedEnds");
         all.size("carryIds", c.carryIds, c.carryNodes.size(), "one for each of carryNodes");
         all.size("carryAt", c.carryAt, c.carryNodes.size(), "one for each of carryNodes");
         all.within("carryNodes", c.carryNodes, 0, c.nNodes, "a node of nNodes");
@@ -277,8 +290,10 @@ const Body& CableEngine::heldBody(const char* what, Body::id_t id) const {
 const Body& CableEngine::followedBody(Body::id_t id) const {
     const Body &body = heldBody("follow", id), &moved = movedBody(theScene(), body);
     if (moved.isDynamic() && moved.state->blockedDOFs != State::DOF_ALL)
-        throw std::invalid_argument(
-            text("CableEngine.follow: body ", id, " moves freely and would not feel the cable: use carry"));
+        throw std::invalid_argument(text(
+            "CableEngine.follow: body ", id,
+            " moves freely and would not feel the cable, its force nor the moment of a clamp: block all its freedoms "
+            "and lead it, or use carry"));
     return body;
 }
 
@@ -317,7 +332,8 @@ void CableEngine::checkCriticalStep(Real step, int e) const {
     if (step > 0 && std::isfinite(step)) return;
     throw std::invalid_argument(text("CableEngine ", family, ": ", elementText(*this, e), ": length = ", length[e],
                                      " m, ea = ", ea[e], " N, ei = ", ei[e], " N m², rhoA = ", rhoA[e],
-                                     " kg/m and kelvinVoigt = ", kelvinVoigt[e], " s give a critical step of ", step,
+                                     " kg/m, kelvinVoigt = ", kelvinVoigt[e], " s and massDamping = ", massDamping[e],
+                                     " 1/s give a critical step of ", step,
                                      " s: must be finite and above 0; take values of a real cable"));
 }
 

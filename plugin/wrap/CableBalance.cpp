@@ -59,7 +59,7 @@ namespace {
 // Of all that an edit between O.load and the first step could change.
 Real CableEngine::markOfState() const {
     Real mark = 1;
-    for (const auto* values : {&position, &velocity, &length, &ea, &ei, &rhoA, &kelvinVoigt})
+    for (const auto* values : {&position, &velocity, &length, &ea, &ei, &rhoA, &kelvinVoigt, &massDamping})
         mark = sumOf(*values, mark);
     return mark;
 }
@@ -120,7 +120,10 @@ void CableEngine::measureEnergy(const ancf_time& time) {
 // What damping takes out is known with O.trackEnergy alone; other integrators than leapfrog lose energy besides.
 bool CableEngine::lossesKnown() const {
     if (integrator != "leapfrog") return false;
-    return scene->trackEnergy || std::all_of(kelvinVoigt.begin(), kelvinVoigt.end(), [](Real eta) { return eta == 0; });
+    const auto none = [](const vector<Real>& damping) {
+        return std::all_of(damping.begin(), damping.end(), [](Real value) { return value == 0; });
+    };
+    return scene->trackEnergy || (none(kelvinVoigt) && none(massDamping));
 }
 
 // At the positions that the step starts from, and the energies of now.
@@ -204,17 +207,18 @@ void CableEngine::bookFastened(const ancf_time& time) {
     }
 }
 
-// Nodes that something does work on, as they are before a step.
+// What something does work on, as it is before a step.
 void CableEngine::noteWorked() {
     worked.clear();
     if (!balanced) return;
     const ancf_model* m = model.get();
-    for (size_t i = 0; i < followNodes.size(); ++i) {
-        const int node = followNodes[i];
-        const Vector3r before = nodeOf(m->v, m->stride, node);
-        if (before != Vector3r::Zero() || nodeOf(m->held, m->stride, node) != Vector3r::Zero())
-            worked.push_back({node, LED, before, Vector3r::Zero()});
-    }
+    const auto noteLed = [&](int dof) {
+        const Vector3r before = nodeOf(m->v, m->stride, dof);
+        if (before != Vector3r::Zero() || nodeOf(m->held, m->stride, dof) != Vector3r::Zero())
+            worked.push_back({dof, LED, before, Vector3r::Zero()});
+    };
+    for (const int node : followNodes) noteLed(node);
+    for (const Led& one : led) noteLed(one.dof);
     for (size_t i = 0; i < carryNodes.size(); ++i)
         if (carriedForce[i] != Vector3r::Zero() && carrierOf(carryIds[i]) >= 0)
             worked.push_back(
@@ -230,7 +234,7 @@ Vector3r CableEngine::forceOf(const Worked& one) const {
     if (one.by >= 0) return carriedForce[one.by];
     if (one.by == PULLED) return one.pulling;
     Vector3r force;
-    ancf_reaction(force.data(), model.get(), one.node);
+    ancf_reaction(force.data(), model.get(), one.dof);
     return force;
 }
 
@@ -238,16 +242,16 @@ Vector3r CableEngine::forceOf(const Worked& one) const {
 void CableEngine::bookWorked(const ancf_time& time) {
     const ancf_model* m = model.get();
     for (const Worked& one : worked) {
-        const Vector3r after = nodeOf(m->v, m->stride, one.node);
+        const Vector3r after = nodeOf(m->v, m->stride, one.dof);
         balance[OUTER] += forceOf(one).dot(time.last * one.before + time.step * after) / 2;
         const Real* shift = touching.displacement();
         if (!shift) continue;
         if (one.by != LED) {
-            balance[OUTER] += forceOf(one).dot(nodeOf(shift, m->stride, one.node));
+            balance[OUTER] += forceOf(one).dot(nodeOf(shift, m->stride, one.dof));
             continue;
         }
-        Vector3r impulse; // of contacts, that what leads the node takes
-        touching.impulseOn(impulse, one.node);
+        Vector3r impulse; // of contacts, that what leads it takes
+        touching.impulseOn(impulse, m, one.dof);
         balance[OUTER] -= impulse.dot(one.before + after) / 2;
     }
 }

@@ -131,7 +131,7 @@ void CableContacts::mixLaws(const CableEngine& cable) {
         const auto& [second, r2] = covers[i % n];
         HollarsPhys phys;
         mixHollars(phys, static_cast<const HollarsMat&>(*first), static_cast<const HollarsMat&>(*second),
-                   1 / (1 / r1 + 1 / r2));
+                   1 / (1 / r1 + 1 / r2), frictionRuleOf(cable.theScene(), *first, *second));
         phys.normalKind = cable.normalKind;
         phys.frictionKind = cable.frictionKind;
         if (const string fault = lawFault(phys, first.get(), second.get(), 1); !fault.empty())
@@ -645,8 +645,8 @@ Vector3r CableContacts::velocityBefore(Body::id_t id, const Vector3r& arm) const
     return vectorOf(before) + vectorOf(before + 3).cross(arm);
 }
 
-void CableContacts::impulseOn(Vector3r& impulse, int dof) const {
-    ancf_table_impulse(impulse.data(), table.get(), dof);
+void CableContacts::impulseOn(Vector3r& impulse, const ancf_model* m, int dof) const {
+    ancf_table_impulse(impulse.data(), table.get(), m, dof);
 }
 
 // ---------------------------------------------------------------- saved

@@ -119,7 +119,8 @@ public:
     void noteFullest();
     Real found() const;                                                // of these alone
     Vector3r velocityBefore(Body::id_t id, const Vector3r& arm) const; // of a body in the table, before it acted
-    void impulseOn(Vector3r& impulse, int dof) const; // of contacts on an unknown, in the cable's last step [N s]
+    // Of contacts on an unknown, in the cable's last step [N s], [N m s].
+    void impulseOn(Vector3r& impulse, const ancf_model* m, int dof) const;
     string mostFound() const; // name of the contact with the largest part of it in this step or the last; "": none
     Real lift() const { return lifted; } // of bodies, besides what their velocities do in a step [J]
 };

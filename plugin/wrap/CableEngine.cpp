@@ -91,22 +91,23 @@ void CableEngine::forget() {
     touching = CableContacts();
     home.reset();
     for (vector<Real>* list :
-         {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &radius, &arc, &closed,
-          &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
+         {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &massDamping, &radius, &arc,
+          &closed, &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
         vector<Real>().swap(*list);
     vector<string>().swap(record);
-    for (vector<int>* list : {&ends,        &next,          &kind,      &elementIds, &segments,    &points,
-                              &structure,   &selfContact,   &run,       &fixedNodes, &clampedEnds, &followNodes,
-                              &followIds,   &carryNodes,    &carryIds,  &loadNodes,  &tiedNodes,   &tiedTo,
-                              &crossPairs,  &carrierOfBody, &standsFor, &driven,     &sections,    &sectionMaterials,
-                              &sectionBends})
+    for (vector<int>* list :
+         {&ends,        &next,     &kind,       &elementIds,       &segments,    &points,     &structure,
+          &selfContact, &run,      &fixedNodes, &clampedEnds,      &followNodes, &followEnds, &followIds,
+          &carryNodes,  &carryIds, &loadNodes,  &tiedNodes,        &tiedTo,      &crossPairs, &carrierOfBody,
+          &standsFor,   &driven,   &sections,   &sectionMaterials, &sectionBends})
         vector<int>().swap(*list);
-    for (vector<Vector3r>* list : {&followAt, &carryAt, &loads, &carryReaction, &carriedForce})
+    for (vector<Vector3r>* list : {&followAt, &followSlopes, &carryAt, &loads, &carryReaction, &carriedForce})
         vector<Vector3r>().swap(*list);
     for (auto* list : {&carried, &followed}) vector<Held>().swap(*list);
     vector<Shown>().swap(elementBodies);
     vector<Looked>().swap(lookedAt);
     vector<Worked>().swap(worked);
+    vector<Led>().swap(led);
     forgotten = true;
     nNodes = kickedNodes = kickedElements = 0;
     lastStep = 0;
@@ -208,7 +209,7 @@ namespace {
 
 py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlopes, const py::object& newEnds,
                            const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
-                           Real newRhoA, Real newDamping) {
+                           Real newRhoA, Real newDamping, Real newMassDamping) {
     refuseWhileRunning("CableEngine.add");
     needSound();
     checkHome();
@@ -227,11 +228,11 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
     for (const auto& [name, numbers] :
          {std::pair("nodes", &nodes), std::pair("slopes", &slopes), std::pair("length", &lengths)})
         given.finiteEach(name, *numbers);
-    for (const auto& [name, value] :
-         {std::pair("ea", newEa), std::pair("ei", newEi), std::pair("rhoA", newRhoA), std::pair("damping", newDamping)})
+    for (const auto& [name, value] : {std::pair("ea", newEa), std::pair("ei", newEi), std::pair("rhoA", newRhoA),
+                                      std::pair("damping", newDamping), std::pair("massDamping", newMassDamping)})
         given.need(finite(value), name, value, "finite, and below 1e100");
     vector<ancf_element> elements;
-    for (const Real l : lengths) elements.push_back({newKind, l, newEa, newEi, newRhoA, newDamping});
+    for (const Real l : lengths) elements.push_back({newKind, l, newEa, newEi, newRhoA, newDamping, newMassDamping});
 
     const int allNodes = nNodes + n, all = firstElement + e, stride = ancf_stride(allNodes, all);
     vector<Real> x = widen(position, nNodes, firstElement, allNodes, all),
@@ -267,6 +268,7 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
     ei.insert(ei.end(), e, newEi);
     rhoA.insert(rhoA.end(), e, newRhoA);
     kelvinVoigt.insert(kelvinVoigt.end(), e, newDamping);
+    massDamping.insert(massDamping.end(), e, newMassDamping);
     nNodes = allNodes;
     atHome();
     changed();
@@ -346,13 +348,18 @@ void CableEngine::fix(int node) {
     changed();
 }
 
-void CableEngine::clamp(int element, int end) {
+// An end of an element that has a slope.
+void CableEngine::checkSlope(const char* what, int element, int end) const {
     needSound();
     if (element < 0 || element >= nElements() || (end != 0 && end != 1))
-        throw std::out_of_range(text("CableEngine.clamp: element ", element, ", end ", end, ": there are ", nElements(),
-                                     " elements with the ends 0 and 1"));
+        throw std::out_of_range(text("CableEngine.", what, ": element ", element, ", end ", end, ": there are ",
+                                     nElements(), " elements with the ends 0 and 1"));
     if (kind[element] & ANCF_SPRING)
-        throw std::invalid_argument("CableEngine.clamp: a spring has no slope: use model='ancf'");
+        throw std::invalid_argument(text("CableEngine.", what, ": a spring has no slope: use model='ancf'"));
+}
+
+void CableEngine::clamp(int element, int end) {
+    checkSlope("clamp", element, end);
     if (!has(clampedEnds, 2 * element + end)) clampedEnds.push_back(2 * element + end);
     changed();
 }
@@ -365,6 +372,22 @@ void CableEngine::follow(int node, Body::id_t id) {
     followNodes.push_back(node);
     followIds.push_back(id);
     followAt.push_back(body.state->ori.conjugate() * (nodeOf(position.data(), getStride(), node) - body.state->pos));
+    changed();
+}
+
+void CableEngine::followSlope(int element, int end) {
+    refuseWhileRunning("CableEngine.followSlope");
+    checkSlope("followSlope", element, end);
+    const int number = 2 * element + end;
+    const Body::id_t id = followedAt(ends[number]);
+    if (id < 0)
+        throw std::invalid_argument(text("CableEngine.followSlope: element ", element, ", end ", end, ": its node ",
+                                         ends[number], " follows no body: follow() first"));
+    if (has(followEnds, number)) return;
+    const State& state = *followedBody(id).state;
+    followEnds.push_back(number);
+    followSlopes.push_back(state.ori.conjugate() *
+                           nodeOf(position.data(), getStride(), nNodes + end * nElements() + element));
     changed();
 }
 
@@ -510,6 +533,11 @@ void CableEngine::release(int node) {
     const auto there = [&](int end) { return ends[static_cast<size_t>(end)] == node; };
     clampedEnds.erase(std::remove_if(clampedEnds.begin(), clampedEnds.end(), there), clampedEnds.end());
     followed.clear();
+    for (size_t i = followEnds.size(); i-- > 0;)
+        if (there(followEnds[i])) {
+            followEnds.erase(followEnds.begin() + static_cast<long>(i));
+            followSlopes.erase(followSlopes.begin() + static_cast<long>(i));
+        }
     for (size_t i = followNodes.size(); i-- > 0;)
         if (followNodes[i] == node) {
             followNodes.erase(followNodes.begin() + static_cast<long>(i));

@@ -67,17 +67,24 @@ class CableEngine : public GlobalEngine {
     bool forgotten = false; // its scene is gone
     bool loaded = false;    // forces may stand in model->external
     bool stepped = false;   // the model has forces and accelerations of a step
+    Real movedBy = 0;       // time that the state has gone on since it had these [s]
     StepClock clock;
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
     enum { LED = -1, PULLED = -2 };
-    struct Worked {       // a node that something does work on in a step
-        int node, by;     // number in carryNodes if that is a force on the body there, or LED, or PULLED
-        Vector3r before;  // its velocity [m/s]
+    struct Worked {       // what something does work on in a step, a node or a slope
+        int dof, by;      // number in carryNodes if that is a force on the body there, or LED, or PULLED
+        Vector3r before;  // its velocity [m/s, 1/s]
         Vector3r pulling; // if PULLED [N]
     };
     vector<Worked> worked;
+    struct Led {       // a slope that follows a body
+        int dof, twin; // its copies in a block of the state, or -1
+        size_t end;    // number in followEnds
+        Body::id_t id; // that its node follows
+    };
+    vector<Led> led;
     struct Fastened {    // a node on a body off its centre
         size_t carried;  // number in carryNodes
         Vector3r before; // its velocity [m/s]
@@ -136,6 +143,7 @@ class CableEngine : public GlobalEngine {
     void checkNode(int node, const char* what) const;
     void checkRange(const char* what, int first, int n, int all) const;
     void checkUnclaimed(int node) const;
+    void checkSlope(const char* what, int element, int end) const;
     void changed();
     void dropModel();
     void moveState(vector<Real>&& x, vector<Real>&& v);
@@ -174,6 +182,8 @@ class CableEngine : public GlobalEngine {
     void loadNodesAlone();
     void findForces();
     void holdNodes();
+    void listLed();
+    Body::id_t followedAt(int node) const;
     void gatherForces();
     bool gatherPulls();
     void kickPulls(int k, int inside);
@@ -228,7 +238,7 @@ public:
 
     py::tuple add(const py::object& newNodes, const py::object& newSlopes, const py::object& newEnds,
                   const py::object& newNext, int newKind, const py::object& newLength, Real newEa, Real newEi,
-                  Real newRhoA, Real newDamping);
+                  Real newRhoA, Real newDamping, Real newMassDamping);
     void cover(int first, Real thickness, int parts, bool fixedPlaces, bool ownToo, const py::object& newRun,
                const py::object& newArc, const py::object& newClosed);
     vector<Body::id_t> addBodies(int first, const shared_ptr<Material>& material, int mask);
@@ -239,6 +249,7 @@ public:
     void fix(int node);
     void clamp(int element, int end);
     void follow(int node, Body::id_t id);
+    void followSlope(int element, int end);
     void carry(int node, Body::id_t id, const Vector3r& at);
     void load(int node, const Vector3r& force);
     void tie(int node, int other);
@@ -251,8 +262,11 @@ public:
     Vector3r point(int element, Real xi);
     Vector3r pointVelocity(int element, Real xi);
     Real tension(int element, Real xi);
+    py::tuple maxTension(int first, int last, int parts);
     Real strain(int element, Real xi);
     Vector3r reaction(int node);
+    Vector3r moment(int node);
+    void needForces();
     py::dict energy(int first, int last);
     py::tuple momentum();
     Real criticalTimeStep();
@@ -287,12 +301,13 @@ public:
         ((int, stepParts, 0, Attr::readonly, "In how many parts the last implicit step was taken."))
         ((vector<int>, ends, , Attr::readonly, "Start and end node of every element."))
         ((vector<int>, next, , Attr::readonly, "Element into which an element goes on smoothly, or -1."))
-        ((vector<int>, kind, , Attr::triggerPostLoad, "Kind of every element: 1 spring, 2 lumped mass, 4 reduced axial rule, 8 exact curvature, added up."))
+        ((vector<int>, kind, , Attr::triggerPostLoad, "Kind of every element: 1 spring, 2 lumped mass, 4 reduced axial rule, 8 exact curvature, 16 engineering strain, added up."))
         ((vector<Real>, length, , Attr::triggerPostLoad, "Unstressed lengths [m]."))
         ((vector<Real>, ea, , Attr::triggerPostLoad, "Axial stiffnesses [N]."))
         ((vector<Real>, ei, , Attr::triggerPostLoad, "Bending stiffnesses [N m²]."))
         ((vector<Real>, rhoA, , Attr::triggerPostLoad, "Masses per length [kg/m]."))
         ((vector<Real>, kelvinVoigt, , Attr::triggerPostLoad, "Kelvin-Voigt times [s]."))
+        ((vector<Real>, massDamping, , Attr::triggerPostLoad, "Mass-proportional damping [1/s]."))
         ((vector<int>, elementIds, , Attr::readonly, "Bodies of the elements, -1: touches nothing."))
         ((vector<Real>, radius, , Attr::readonly, "Half the diameters of the elements [m]."))
         ((vector<int>, segments, , Attr::readonly, "Segments of each element, with one place of contact at most."))
@@ -315,6 +330,8 @@ public:
         ((vector<int>, followNodes, , Attr::readonly, "Nodes that follow a body."))
         ((vector<int>, followIds, , Attr::readonly, "The bodies they follow."))
         ((vector<Vector3r>, followAt, , Attr::readonly, "Their places in the bodies' frames [m]."))
+        ((vector<int>, followEnds, , Attr::readonly, "Slopes that follow the body that their node follows, 2 element + end."))
+        ((vector<Vector3r>, followSlopes, , Attr::readonly, "These slopes in the bodies' frames [-]."))
         ((vector<int>, carryNodes, , Attr::readonly, "Nodes that carry a body."))
         ((vector<int>, carryIds, , Attr::readonly, "The bodies they carry."))
         ((vector<Vector3r>, carryAt, , Attr::readonly, "Places of the nodes in the bodies' frames [m]."))
@@ -351,8 +368,8 @@ public:
         .add_property("nElements", &CableEngine::nElements, "Number of elements.")
         .add_property("coupled", &CableEngine::coupled, "Carries a body off its centre or on a guide, which allows no sub-steps.")
         .add_property("asleep", &CableEngine::asleep, "Elements whose bodies are far from everything: nothing is computed for their contact.")
-        .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping")),
-             "Adds a cable of n nodes and e elements: numpy arrays nodes (n, 3) [m], slopes (2 e, 3), start and end of each element, ends (e, 2) and next (e), int32, counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s]. Returns (first node, first element). ValueError on bad values.")
+        .def("add", &CableEngine::add, (py::arg("nodes"), py::arg("slopes"), py::arg("ends"), py::arg("next"), py::arg("kind"), py::arg("length"), py::arg("ea"), py::arg("ei"), py::arg("rhoA"), py::arg("damping"), py::arg("massDamping") = 0.),
+             "Adds a cable of n nodes and e elements: numpy arrays nodes (n, 3) [m], slopes (2 e, 3), start and end of each element, ends (e, 2) and next (e), int32, counted from 0 in this call, kind, length (e) [m], ea [N], ei [N m²], rhoA [kg/m], damping [s], massDamping [1/s]. Returns (first node, first element). ValueError on bad values.")
         .def("cover", &CableEngine::cover, (py::arg("first"), py::arg("radius"), py::arg("segments"), py::arg("points"), py::arg("selfContact"), py::arg("run"), py::arg("arc"), py::arg("closed")),
              "Tells of the elements from `first` on, a cable or net added last, what they show to the outside: run (int32, counted from 0), arc [m] and closed [m] are numpy arrays with a value each. ValueError on bad values.")
         .def("addBodies", &CableEngine::addBodies, (py::arg("first"), py::arg("material"), py::arg("mask")), "Puts a body into the scene for each element from `first` on. Returns their ids.")
@@ -363,10 +380,11 @@ public:
         .def("fix", &CableEngine::fix, (py::arg("node")), "Holds a node in place.")
         .def("clamp", &CableEngine::clamp, (py::arg("element"), py::arg("end")), "Holds the slope at an element's start (0) or end (1).")
         .def("follow", &CableEngine::follow, (py::arg("node"), py::arg("id")), "Keeps a node at its place in a body's frame.")
+        .def("followSlope", &CableEngine::followSlope, (py::arg("element"), py::arg("end")), "Keeps the slope at an element's start (0) or end (1) as it is in the frame of the body that its node follows.")
         .def("carry", &CableEngine::carry, (py::arg("node"), py::arg("id"), py::arg("at")), "Fastens a body's point `at` (in its frame, [m]) to a node.")
         .def("load", &CableEngine::load, (py::arg("node"), py::arg("force")), "Puts a constant force [N] on a node; zero takes it off.")
         .def("tie", &CableEngine::tie, (py::arg("node"), py::arg("other")), "Makes two nodes one, the first.")
-        .def("release", &CableEngine::release, (py::arg("node")), "Frees a node, and the slopes at it, from fix, clamp, follow and load.")
+        .def("release", &CableEngine::release, (py::arg("node")), "Frees a node, and the slopes at it, from fix, clamp, follow, followSlope and load.")
         .def("note", &CableEngine::note, (py::arg("number"), py::arg("text")), "Replaces an item of record, or adds one at its end.")
         .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
         .def("elementsAt", &CableEngine::elementsAt, (py::arg("node")), "Elements that meet at a node.")
@@ -377,8 +395,10 @@ public:
         .def("point", &CableEngine::point, (py::arg("element"), py::arg("xi")), "Position [m].")
         .def("pointVelocity", &CableEngine::pointVelocity, (py::arg("element"), py::arg("xi")), "Velocity [m/s].")
         .def("tension", &CableEngine::tension, (py::arg("element"), py::arg("xi")), "Tension EA eps |r'|, damping included [N].")
-        .def("strain", &CableEngine::strain, (py::arg("element"), py::arg("xi")), "Green's strain; springs: engineering strain [-].")
+        .def("maxTension", &CableEngine::maxTension, (py::arg("first"), py::arg("last"), py::arg("parts")), "Largest tension of the elements first .. last-1, over parts + 1 places of each: (tension [N], element, xi).")
+        .def("strain", &CableEngine::strain, (py::arg("element"), py::arg("xi")), "Strain of the element's kind, Green's or engineering strain [-].")
         .def("reaction", &CableEngine::reaction, (py::arg("node")), "Force on the cable that holds or carries a node, in the last step [N]. ValueError for a free node.")
+        .def("moment", &CableEngine::moment, (py::arg("node")), "Moment on the cable by what holds the slopes at a node, in the last step [N m]. ValueError where none is held.")
         .def("energy", &CableEngine::energy, (py::arg("first"), py::arg("last")), "Energies [J] of the elements first .. last-1 as dict kinetic, axial, bending, gravity; carried masses not counted.")
         .def("momentum", &CableEngine::momentum, "(linear [kg m/s], angular about the origin [kg m²/s]), with the masses carried at knots.")
         .def("criticalTimeStep", &CableEngine::criticalTimeStep, "Stable step of the cables at their strain now, at least 0.1, whether they touch or not [s].")

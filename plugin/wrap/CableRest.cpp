@@ -62,7 +62,7 @@ ancf_normal CableRest::lawOf(const Body& first, const Body& second) const {
     HollarsPhys phys;
     const Real radius = radiusOfContact(*first.shape, *second.shape);
     mixHollars(phys, static_cast<const ElastMat&>(*first.material), static_cast<const ElastMat&>(*second.material),
-               radius);
+               radius, FrictionRule()); // nothing holds by friction
     phys.normalKind = cable.normalKind;
     if (const string fault = lawFault(phys, first.material.get(), second.material.get(), radius); !fault.empty())
         cable.refuse(text("relax: the contact of bodies ", first.id, " and ", second.id, ": ", fault));

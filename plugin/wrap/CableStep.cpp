@@ -37,7 +37,8 @@ namespace {
 void CableEngine::makeModel() {
     const size_t n = static_cast<size_t>(nNodes), e = length.size();
     vector<ancf_element> elements;
-    for (size_t i = 0; i < e; ++i) elements.push_back({kind[i], length[i], ea[i], ei[i], rhoA[i], kelvinVoigt[i]});
+    for (size_t i = 0; i < e; ++i)
+        elements.push_back({kind[i], length[i], ea[i], ei[i], rhoA[i], kelvinVoigt[i], massDamping[i]});
     vector<Real> mass(n, 0);
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         const Body& body = bodyOf(theScene(), carryIds[i], "carry");
@@ -47,13 +48,32 @@ void CableEngine::makeModel() {
     for (const int node : fixedNodes) hold[node] = ANCF_HELD;
     for (const int node : followNodes) hold[node] = ANCF_HELD;
     for (const int node : tiedNodes) hold[node] = ANCF_HELD; // nothing is fastened to them any more
-    for (const int end : clampedEnds) hold[n + (end % 2) * e + end / 2] = ANCF_HELD;
+    for (const auto* held : {&clampedEnds, &followEnds})
+        for (const int end : *held) hold[n + (end % 2) * e + end / 2] = ANCF_HELD;
     const ancf_def def = {nNodes, nElements(), elements.data(), ends.data(), next.data(), mass.data(), hold.data()};
     ancf_model* made = nullptr;
     int where = 0;
     const ancf_error error = ancf_model_create(&made, &def, position.data(), velocity.data(), &where);
     if (error) refuse(text("element ", where, ": ", ancf_error_text(error)));
     model.reset(made);
+    listLed();
+}
+
+// Slopes that follow bodies, each of those that go on from one element into the next once.
+void CableEngine::listLed() {
+    led.clear();
+    const int e = nElements();
+    for (size_t i = 0; i < followEnds.size(); ++i) {
+        const int end = followEnds[i], dof = nNodes + (end % 2) * e + end / 2;
+        if (std::any_of(led.begin(), led.end(), [&](const Led& one) { return one.twin == dof; })) continue;
+        led.push_back({dof, ancf_model_twin(model.get(), dof), i, followedAt(ends[end])});
+    }
+}
+
+// The body that a node follows, or -1.
+Body::id_t CableEngine::followedAt(int node) const {
+    const auto found = std::find(followNodes.begin(), followNodes.end(), node);
+    return found == followNodes.end() ? -1 : followIds[static_cast<size_t>(found - followNodes.begin())];
 }
 
 void CableEngine::makeImplicit() {
@@ -131,7 +151,7 @@ void CableEngine::takeGravity() {
     for (int c = 0; c < 3; ++c) model->gravity[c] = gravity[c];
 }
 
-// New velocities of nodes that follow a body, exactly to where NewtonIntegrator will take it.
+// New velocities of nodes and slopes that follow a body, exactly to where NewtonIntegrator will take it.
 void CableEngine::holdNodes() {
     for (size_t i = 0; i < followNodes.size(); ++i) {
         const State& state = *(*scene->bodies)[followIds[i]]->state;
@@ -139,6 +159,13 @@ void CableEngine::holdNodes() {
             state.pos + scene->dt * state.vel + turned(scene->dt * state.angVel) * (state.ori * followAt[i]);
         setNode(model->held, model->stride, followNodes[i],
                 (target - nodeOf(model->x, model->stride, followNodes[i])) / scene->dt);
+    }
+    for (const Led& one : led) {
+        const State& state = *(*scene->bodies)[one.id]->state;
+        const Vector3r target = turned(scene->dt * state.angVel) * (state.ori * followSlopes[one.end]);
+        for (const int dof : {one.dof, one.twin})
+            if (dof >= 0)
+                setNode(model->held, model->stride, dof, (target - nodeOf(model->x, model->stride, dof)) / scene->dt);
     }
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         if (carrierOf(carryIds[i]) >= 0) continue;
@@ -270,7 +297,7 @@ void CableEngine::stepExplicit(int inside) {
             touching.give(*this, time);
             bookFastened(time);
         }
-        lastStep = time.step;
+        lastStep = movedBy = time.step;
         clock.passed(StepClock::SCATTER);
     }
     model->damping_half = dampedBefore;
@@ -303,6 +330,7 @@ void CableEngine::stepImplicit() {
                     "): a force is not finite, or something moves too fast; look there, use a shorter O.dt or damping, "
                     "or integrator = 'leapfrog'"));
     lastStep = scene->dt;
+    movedBy = scene->dt / 2; // forces are means of the step
     for (size_t i = 0; i < carryNodes.size(); ++i) setCarryReaction(i, Vector3r::Zero());
     scatter();
     clock.passed(StepClock::SCATTER);

@@ -8,10 +8,10 @@ namespace yade {
 
 auto CableEngine::parts() {
     return std::tie(nNodes, position, velocity, acceleration, ends, next, kind, length, ea, ei, rhoA, kelvinVoigt,
-                    elementIds, radius, segments, points, structure, selfContact, run, arc, closed, sections,
-                    sectionMaterials, sectionBends, sectionYoung, sectionDensity, fixedNodes, clampedEnds, followNodes,
-                    followIds, followAt, carryNodes, carryIds, carryAt, carryReaction, loadNodes, loads, tiedNodes,
-                    tiedTo, lastStep);
+                    massDamping, elementIds, radius, segments, points, structure, selfContact, run, arc, closed,
+                    sections, sectionMaterials, sectionBends, sectionYoung, sectionDensity, fixedNodes, clampedEnds,
+                    followNodes, followIds, followAt, followEnds, followSlopes, carryNodes, carryIds, carryAt,
+                    carryReaction, loadNodes, loads, tiedNodes, tiedTo, lastStep);
 }
 
 namespace {

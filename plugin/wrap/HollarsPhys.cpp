@@ -10,6 +10,7 @@
 #include "Sheave.hpp"
 #include "text.hpp"
 
+#include <core/InteractionLoop.hpp>
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 #include <pkg/common/Box.hpp>
@@ -124,7 +125,13 @@ string lawFault(const HollarsPhys& phys, const Material* first, const Material* 
 }
 
 namespace {
-    // What a material says of friction and damping. Where it says nothing, a value that min and max pass over, or NaN.
+    template <class F> FrictionRule ruleOf(const F& functor) {
+        return checkedRule(functor.getClassName(), functor.frictionRule, functor.frictionPairs, functor.pairFriction);
+    }
+} // namespace
+
+namespace {
+    // What a material says of friction and damping. Where it says nothing: infinite friction, no velocity, NaN.
     struct Rub {
         Real staticFriction = infinite, kineticFriction = infinite, transitionVelocity = 0;
         Real impactDamping = std::numeric_limits<Real>::quiet_NaN(), dashpot = impactDamping;
@@ -148,16 +155,16 @@ namespace {
     }
 
     void makePhys(const Scene* scene, const shared_ptr<Material>& first, const shared_ptr<Material>& second,
-                  Interaction& contact) {
+                  Interaction& contact, const FrictionRule& rule) {
         if (contact.phys) return;
         auto phys = shared_ptr<HollarsPhys>(new HollarsPhys);
         for (const auto& material : {first, second}) MaterialWatch::instance().add(material);
         const Real radius = contactRadius(scene, contact);
-        mixHollars(*phys, static_cast<const ElastMat&>(*first), static_cast<const ElastMat&>(*second), radius);
+        mixHollars(*phys, static_cast<const ElastMat&>(*first), static_cast<const ElastMat&>(*second), radius, rule);
         if (const string fault = lawFault(*phys, first.get(), second.get(), radius); !fault.empty())
             throwLater(*scene,
                        text("the contact of bodies ", contact.getId1(), " and ", contact.getId2(), ": ", fault));
-        phys->mixedOf = MaterialWatch::mark(*first, *second);
+        phys->mixedOf = rule.mark(MaterialWatch::mark(*first, *second), *first, *second);
         phys->edition = MaterialWatch::instance().edition();
         contact.phys = phys;
     }
@@ -173,19 +180,41 @@ void followMaterials(HollarsPhys& phys, const Scene& scene, const Interaction& c
     if (phys.edition == 0) // just loaded
         for (const auto& material : {first, second}) watch.add(material);
     phys.edition = watch.edition();
-    const long mark = MaterialWatch::mark(*a, *b);
+    const FrictionRule rule = frictionRuleOf(scene, *a, *b);
+    const long mark = rule.mark(MaterialWatch::mark(*a, *b), *a, *b);
     if (mark == phys.mixedOf) return;
-    if (phys.mixedOf >= 0) mixHollars(phys, *a, *b, contactRadius(&scene, contact));
+    if (phys.mixedOf >= 0) mixHollars(phys, *a, *b, contactRadius(&scene, contact), rule);
     phys.mixedOf = mark;
 }
 
-void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second, Real radius) {
+FrictionRule frictionRuleOf(const Scene& scene, const Material& first, const Material& second) {
+    const bool hollars = dynamic_cast<const HollarsMat*>(&first) && dynamic_cast<const HollarsMat*>(&second);
+    FrictionRule rule;
+    bool nearest = false;
+    for (const InteractionLoop* loop : knownEngines(scene).loops) {
+        if (!loop->physDispatcher) continue;
+        for (const auto& functor : loop->physDispatcher->functors) {
+            const auto* own = dynamic_cast<const Ip2_HollarsMat_HollarsMat_HollarsPhys*>(functor.get());
+            const auto* any = dynamic_cast<const Ip2_FrictMat_HollarsMat_HollarsPhys*>(functor.get());
+            if (own && hollars) {
+                rule = ruleOf(*own);
+                nearest = true;
+            } else if (any && !nearest) {
+                rule = ruleOf(*any);
+            }
+        }
+    }
+    return rule;
+}
+
+void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second, Real radius,
+                const FrictionRule& rule) {
     setStiffness(phys, first, second, radius);
     const Rub a(first), b(second);
     phys.transitionVelocity = HollarsPhys().transitionVelocity;
-    const auto lesser = [](Real x, Real y) { return std::isinf(x) && std::isinf(y) ? 0 : std::min(x, y); };
-    phys.staticFriction = lesser(a.staticFriction, b.staticFriction);
-    phys.kineticFriction = lesser(a.kineticFriction, b.kineticFriction);
+    const Real* own = rule.own(first, second);
+    phys.staticFriction = own ? own[0] : rule.mix(a.staticFriction, b.staticFriction);
+    phys.kineticFriction = own ? own[1] : rule.mix(a.kineticFriction, b.kineticFriction);
     if (const Real v = std::max(a.transitionVelocity, b.transitionVelocity); v > 0) phys.transitionVelocity = v;
     phys.impactDamping = meanOfGiven(a.impactDamping, b.impactDamping);
     phys.dashpot = meanOfGiven(a.dashpot, b.dashpot);
@@ -193,12 +222,32 @@ void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second
 
 void Ip2_HollarsMat_HollarsMat_HollarsPhys::go(const shared_ptr<Material>& first, const shared_ptr<Material>& second,
                                                const shared_ptr<Interaction>& contact) {
-    makePhys(scene, first, second, *contact);
+    makePhys(scene, first, second, *contact, ruleOf(*this));
+}
+
+void Ip2_HollarsMat_HollarsMat_HollarsPhys::postLoad(Ip2_HollarsMat_HollarsMat_HollarsPhys&) {
+    ruleOf(*this);
+    MaterialWatch::instance().lookAgain();
+}
+
+void Ip2_HollarsMat_HollarsMat_HollarsPhys::setFriction(int first, int second, Real mu_s, Real mu_k) {
+    setPairFriction(frictionPairs, pairFriction, getClassName(), first, second, mu_s, mu_k);
+    MaterialWatch::instance().lookAgain();
 }
 
 void Ip2_FrictMat_HollarsMat_HollarsPhys::go(const shared_ptr<Material>& first, const shared_ptr<Material>& second,
                                              const shared_ptr<Interaction>& contact) {
-    makePhys(scene, first, second, *contact);
+    makePhys(scene, first, second, *contact, ruleOf(*this));
+}
+
+void Ip2_FrictMat_HollarsMat_HollarsPhys::postLoad(Ip2_FrictMat_HollarsMat_HollarsPhys&) {
+    ruleOf(*this);
+    MaterialWatch::instance().lookAgain();
+}
+
+void Ip2_FrictMat_HollarsMat_HollarsPhys::setFriction(int first, int second, Real mu_s, Real mu_k) {
+    setPairFriction(frictionPairs, pairFriction, getClassName(), first, second, mu_s, mu_k);
+    MaterialWatch::instance().lookAgain();
 }
 
 namespace {
@@ -458,7 +507,7 @@ Real contactTimeStep(const Scene& s, int normalKind, Real speed) {
                 dynamic_cast<const HollarsMat*>(a.material) || dynamic_cast<const HollarsMat*>(b.material);
             if (!hollars || !(curvature > 0 && answer > 0) || (i == j && !a.several)) continue;
             HollarsPhys phys;
-            mixHollars(phys, *a.material, *b.material, 1 / curvature);
+            mixHollars(phys, *a.material, *b.material, 1 / curvature, FrictionRule()); // the step asks for no friction
             phys.normalKind = normalKind;
             if (const string fault = lawFault(phys, a.material, b.material, 1 / curvature); !fault.empty())
                 throw std::invalid_argument("contactTimeStep: " + fault);

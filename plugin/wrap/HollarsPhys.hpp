@@ -2,6 +2,7 @@
 // Contact with Hunt-Crossley normal force and Hollars friction: physics, the functors that make it, and its law.
 #pragma once
 
+#include "FrictionRule.hpp"
 #include "HollarsMat.hpp"
 
 #include <core/Dispatching.hpp>
@@ -58,8 +59,12 @@ Real radiusOfContact(const Shape& first, const Shape& second);
 // NaN or infinite where there is none; lawFault() says why.
 void setStiffness(HollarsPhys& phys, const ElastMat& a, const ElastMat& b, Real radius);
 
-// Laws of two materials: the smaller friction, the larger transition velocity, the mean of the damping.
-void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second, Real radius);
+// Laws of two materials: friction by the rule, the larger transition velocity, the mean of the damping.
+void mixHollars(HollarsPhys& phys, const ElastMat& first, const ElastMat& second, Real radius,
+                const FrictionRule& rule);
+
+// The rule of the scene's functor for two materials; the smaller one counts where there is none.
+FrictionRule frictionRuleOf(const Scene& scene, const Material& first, const Material& second);
 
 // Why a contact cannot be computed, with the values that are at fault; empty where it can. radius: of the contact [m],
 // NaN where it is not known.
@@ -69,13 +74,21 @@ void followMaterials(HollarsPhys& phys, const Scene& scene, const Interaction& c
 
 class Ip2_HollarsMat_HollarsMat_HollarsPhys : public IPhysFunctor {
 public:
+    void postLoad(Ip2_HollarsMat_HollarsMat_HollarsPhys&);
+    void setFriction(int first, int second, Real staticFriction, Real kineticFriction);
     void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
     FUNCTOR2D(HollarsMat, HollarsMat)
     // clang-format off
-    YADE_CLASS_BASE_DOC(Ip2_HollarsMat_HollarsMat_HollarsPhys, IPhysFunctor,
+    YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(Ip2_HollarsMat_HollarsMat_HollarsPhys, IPhysFunctor,
         "Contact of two :yref:`HollarsMat`: Hertz stiffness from both elastic constants and the radii of the shapes, "
         "a plane's being infinite (Eq. 8-9), unless a material gives normalStiffness (the smaller one if both do). "
-        "$\\mu_s$ and $\\mu_k$ are the smaller, $v_{t0}$ the larger of the two, $\\alpha$ and the dashpot their mean.")
+        "$\\mu_s$ and $\\mu_k$ are by frictionRule the smaller, unless setFriction gives the pair its own; $v_{t0}$ is the larger of the two, $\\alpha$ and the dashpot their mean.",
+        ((string, frictionRule, "min", Attr::triggerPostLoad, "How coefficients of friction of two materials make one: 'min', 'max' or 'mean'."))
+        ((vector<int>, frictionPairs, , Attr::readonly, "Ids of two materials each whose contacts have coefficients of their own."))
+        ((vector<Real>, pairFriction, , Attr::readonly, "$\\mu_s$ and $\\mu_k$ of each of these pairs [-].")),
+        ,
+        .def("setFriction", &Ip2_HollarsMat_HollarsMat_HollarsPhys::setFriction, (py::arg("first"), py::arg("second"), py::arg("staticFriction"), py::arg("kineticFriction")), "Gives contacts of two materials, by their ids, coefficients of friction of their own. ValueError on bad values.")
+    )
     // clang-format on
 };
 REGISTER_SERIALIZABLE(Ip2_HollarsMat_HollarsMat_HollarsPhys);
@@ -85,14 +98,22 @@ REGISTER_SERIALIZABLE(Ip2_HollarsMat_HollarsMat_HollarsPhys);
 // FrictMat comes second. Whatever is declared for a pair's own classes is nearer to it and goes first.
 class Ip2_FrictMat_HollarsMat_HollarsPhys : public IPhysFunctor {
 public:
+    void postLoad(Ip2_FrictMat_HollarsMat_HollarsPhys&);
+    void setFriction(int first, int second, Real staticFriction, Real kineticFriction);
     void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
     FUNCTOR2D(ElastMat, ElastMat)
     // clang-format off
-    YADE_CLASS_BASE_DOC(Ip2_FrictMat_HollarsMat_HollarsPhys, IPhysFunctor,
+    YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(Ip2_FrictMat_HollarsMat_HollarsPhys, IPhysFunctor,
         "Contact of a FrictMat with a :yref:`HollarsMat`, in any order: the former counts as "
         "$\\mu_s=\\mu_k=\\tan\\varphi$ with its elastic constants; $v_{t0}$, $\\alpha$ and the rest come from the latter. "
         "Takes every pair of elastic materials that has no functor of its own in the list: an ElastMat without friction "
-        "leaves the coefficients to the other one, and without any HollarsMat nothing is damped and $v_{t0}$ is 1e-3 m/s.")
+        "leaves the coefficients to the other one, and without any HollarsMat nothing is damped and $v_{t0}$ is 1e-3 m/s.",
+        ((string, frictionRule, "min", Attr::triggerPostLoad, "How coefficients of friction of two materials make one: 'min', 'max' or 'mean'."))
+        ((vector<int>, frictionPairs, , Attr::readonly, "Ids of two materials each whose contacts have coefficients of their own."))
+        ((vector<Real>, pairFriction, , Attr::readonly, "$\\mu_s$ and $\\mu_k$ of each of these pairs [-].")),
+        ,
+        .def("setFriction", &Ip2_FrictMat_HollarsMat_HollarsPhys::setFriction, (py::arg("first"), py::arg("second"), py::arg("staticFriction"), py::arg("kineticFriction")), "Gives contacts of two materials, by their ids, coefficients of friction of their own. ValueError on bad values.")
+    )
     // clang-format on
 };
 REGISTER_SERIALIZABLE(Ip2_FrictMat_HollarsMat_HollarsPhys);

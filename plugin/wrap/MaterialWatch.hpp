@@ -44,6 +44,7 @@ public:
     void add(const shared_ptr<Material>& material);
     void look();                                     // once a step, before its contacts
     long edition() const { return editions.load(); } // another one after an edit
+    void lookAgain() { ++editions; }                 // an edit of what mixes them
 
     // Of the values of two materials: another one when they are edited, also from one process to the next.
     static long mark(const Material& a, const Material& b);

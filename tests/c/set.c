@@ -3,9 +3,10 @@
 
 // States after some steps of a net and of a smooth cable, into `state`; returns their number. NULL: only that.
 int run_set(double* state) {
-    static const int kinds[] = {ANCF_LUMPED, ANCF_LUMPED | ANCF_CURVATURE_EXACT, 0, ANCF_SPRING};
+    static const int kinds[] = {ANCF_LUMPED, ANCF_LUMPED | ANCF_CURVATURE_EXACT, 0, ANCF_SPRING,
+                                ANCF_LUMPED | ANCF_ENGINEERING};
     int n = 0;
-    for (int k = 0; k < 8; ++k) {
+    for (int k = 0; k < 10; ++k) {
         uint64_t seed = 71 + (uint64_t)k;
         const int kind = kinds[k / 2];
         ancf_element all = net_element(kind, 5e-5);

@@ -6,8 +6,8 @@
 enum { STEPS = 3 };
 
 static const int kinds[] = {
-    ANCF_LUMPED,         ANCF_LUMPED | ANCF_CURVATURE_EXACT, ANCF_LUMPED | ANCF_AXIAL_REDUCED, ANCF_SPRING, 0,
-    ANCF_CURVATURE_EXACT};
+    ANCF_LUMPED,          ANCF_LUMPED | ANCF_CURVATURE_EXACT, ANCF_LUMPED | ANCF_AXIAL_REDUCED, ANCF_SPRING, 0,
+    ANCF_CURVATURE_EXACT, ANCF_LUMPED | ANCF_ENGINEERING};
 enum { KINDS = sizeof kinds / sizeof *kinds, LAYOUTS = 7, CASES = KINDS * LAYOUTS * 2 };
 
 static ancf_element element_of(int kind, double damping) {

@@ -47,6 +47,36 @@ static void momentum_is_constant_in_free_flight(void** state) {
     }
 }
 
+// Under mass-proportional damping alpha both momenta go down as exp(-alpha t), whatever else goes on inside.
+static void momenta_decay_with_drag(void** state) {
+    (void)state;
+    uint64_t seed = 43;
+    for (int k = 0; k < 4; ++k) {
+        ancf_element all = {.kind = k % 2 ? ANCF_LUMPED : 0, .length = 1.0, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3};
+        all.drag = 3.0;
+        built b = build_cable(8, all, 1);
+        build_shake(&b, b.x, 0.1, &seed);
+        build_shake(&b, b.v, 2.0, &seed);
+        for (int i = 0; i < b.n_dof; ++i) b.v[b.stride + i] += 3.0 * b.x[i];
+        build_finish(&b);
+        double P0[3], H0[3], P[3], H[3], terms[2];
+        const double h = 1e-5, t = 0.2;
+        ancf_time time = {0};
+        own_momentum(P0, H0, terms, &b);
+        if (k < 2) run_leapfrog(b.m, h, (int)(t / h + 0.5), &time);
+        else
+            for (int i = 0; i < (int)(t / h + 0.5); ++i) ancf_rk4(b.m, h);
+        own_momentum(P, H, terms, &b);
+        const double left = exp(-3.0 * (k < 2 ? t - 0.5 * h : t)); // leapfrog's velocities are half a step behind
+        for (int c = 0; c < 3; ++c) {
+            assert_near(P[c], left * P0[c], (k < 2 ? 3e-5 : 1e-9) * terms[0]);
+            assert_near(H[c], left * H0[c], (k < 2 ? 3e-5 : 1e-6) * terms[1]); // RK4 damps waves, and turns
+        }
+        assert_true(fabs(P0[0]) + fabs(H0[2]) > 1e-2 * (terms[0] + terms[1]));
+        build_free(&b);
+    }
+}
+
 // Shared slopes and springs, too.
 static void momentum_of_smooth_cables_and_springs(void** state) {
     (void)state;
@@ -403,6 +433,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(momentum_is_constant_in_free_flight),
         cmocka_unit_test(momentum_of_smooth_cables_and_springs),
+        cmocka_unit_test(momenta_decay_with_drag),
         cmocka_unit_test(orders_of_convergence),
         cmocka_unit_test(energy_is_bounded),
         cmocka_unit_test(compound_pendulum_of_one_element),

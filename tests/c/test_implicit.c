@@ -220,8 +220,8 @@ static double energy_of(const built* b) {
 // with the square of the step and more, and is never negative where it is much.
 static void energy_is_accounted_for(void** state) {
     (void)state;
-    const int kinds[] = {0, ANCF_LUMPED, ANCF_CURVATURE_EXACT, ANCF_SPRING};
-    for (int k = 0; k < 8; ++k) {
+    const int kinds[] = {0, ANCF_LUMPED, ANCF_CURVATURE_EXACT, ANCF_SPRING, ANCF_ENGINEERING};
+    for (int k = 0; k < 10; ++k) {
         const double damping = k % 2 ? 2e-3 : 0.0;
         double lost[3];
         for (int i = 0; i < 3; ++i) {

@@ -357,7 +357,7 @@ static void bad_models_are_refused(void** state) {
         ancf_error error;
         ancf_element element;
     } bad[] = {
-        {ANCF_E_KIND, {.kind = 16, .length = 1.0, .ea = 1.0, .rho_a = 1.0}},
+        {ANCF_E_KIND, {.kind = 32, .length = 1.0, .ea = 1.0, .rho_a = 1.0}},
         {ANCF_E_KIND, {.kind = ANCF_LUMPED | 1 << 30, .length = 1.0, .ea = 1.0, .rho_a = 1.0}},
         {ANCF_E_KIND, {.kind = -1, .length = 1.0, .ea = 1.0, .rho_a = 1.0}},
         {ANCF_E_LENGTH, {.length = 0.0, .ea = 1.0, .rho_a = 1.0}},
@@ -367,6 +367,7 @@ static void bad_models_are_refused(void** state) {
         {ANCF_E_STIFFNESS, {.length = 1.0, .ea = INFINITY, .rho_a = 1.0}},
         {ANCF_E_MASS, {.length = 1.0, .ea = 1.0, .rho_a = 0.0}},
         {ANCF_E_DAMPING, {.length = 1.0, .ea = 1.0, .rho_a = 1.0, .damping = -1.0}},
+        {ANCF_E_DRAG, {.length = 1.0, .ea = 1.0, .rho_a = 1.0, .drag = -1.0}},
         {ANCF_E_SPRING, {.kind = ANCF_SPRING, .length = 1.0, .ea = 1.0, .ei = 1.0, .rho_a = 1.0}},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {

@@ -81,6 +81,11 @@ static void rule_by_hand(void** state) {
     const double w = 10.0 * sqrt(1.6), z = 0.075 * w;
     assert_close(ancf_critical_step(b.m, 0.2, &at), 1.8 / w * (sqrt(1.0 + z * z) - z), 1e-9);
     build_free(&b);
+    // Mass-proportional damping: z = drag/(2 w).
+    b = build_cable(1, (ancf_element) {.kind = ANCF_SPRING, .length = 1.0, .ea = 25.0, .rho_a = 1.0, .drag = 15.0}, 0);
+    build_finish(&b);
+    assert_close(ancf_critical_step(b.m, 0.0, &at), 0.09, 1e-9);
+    build_free(&b);
 }
 
 // So much damping that h w -> 0.9/z: w = 10 sqrt(1 + 3 strain) as above, z = 0.075 w.
@@ -152,6 +157,42 @@ static void rule_is_stable_and_tight(void** state) {
             build_free(&b);
             if (!(above > 1e3)) fail_msg("scene %d damped %d: stable at 1.7, %g", which, damped, above);
         }
+}
+
+// Mass-proportional damping in a single element, whose frequency is known exactly.
+static void rule_with_drag(void** state) {
+    (void)state;
+    for (int above = 0; above < 2; ++above) {
+        ancf_element all = {.kind = ANCF_LUMPED, .length = 1.0, .ea = 350.0, .ei = 2.2e-5, .rho_a = 1.1e-3};
+        all.drag = ancf_element_frequency(&all);
+        built b = build_cable(1, all, 0);
+        build_finish(&b);
+        const double grown = growth(&b, above ? 1.15 : 1.0, 20000);
+        assert_true(above ? grown > 1e3 : grown < 30.0);
+        build_free(&b);
+    }
+}
+
+// The same with engineering strain, which stiffens by bending across alone: the rule is stable.
+static void step_with_engineering_strain(void** state) {
+    (void)state;
+    for (int soft = 0; soft < 2; ++soft) {
+        const ancf_element all = {.kind = ANCF_LUMPED | ANCF_ENGINEERING,
+                                  .length = 1.0,
+                                  .ea = 350.0,
+                                  .ei = soft ? 2.2e-5 : 0.8,
+                                  .rho_a = 1.1e-3};
+        built b = build_cable(6, all, 0);
+        for (int i = 0; i < b.n_dof; ++i) b.x[i] *= 1.2;
+        b.hold[0] = b.hold[b.def.n_nodes - 1] = ANCF_HELD;
+        build_finish(&b);
+        int at;
+        const double strained = ancf_critical_step(b.m, ancf_strain_max(b.m, b.x, &at), &at);
+        const double plain = ancf_critical_step(b.m, 0.0, &at);
+        assert_close(strained, plain / sqrt(1.2), 1e-12);
+        assert_true(growth(&b, strained / plain, 20000) < 30.0);
+        build_free(&b);
+    }
 }
 
 // A cable held stretched by a fifth: the rule with the strain is stable, 1.1 times the unstressed one is not.
@@ -234,7 +275,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(element_frequency_is_the_largest),    cmocka_unit_test(rule_by_hand),
         cmocka_unit_test(much_damping_leaves_a_step),          cmocka_unit_test(rule_is_stable_and_tight),
-        cmocka_unit_test(strain_makes_the_step_shorter),       cmocka_unit_test(speeds_are_compared_along_axes),
+        cmocka_unit_test(strain_makes_the_step_shorter),       cmocka_unit_test(rule_with_drag),
+        cmocka_unit_test(step_with_engineering_strain),        cmocka_unit_test(speeds_are_compared_along_axes),
         cmocka_unit_test(any_value_that_is_no_number_is_seen), cmocka_unit_test(extremes_give_no_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -24,6 +24,12 @@ static const variant variants[] = {
     {ANCF_CURVATURE_EXACT, 2e-2, 3e-3},
     {ANCF_AXIAL_REDUCED | ANCF_CURVATURE_EXACT, 2e-2, 3e-3},
     {ANCF_SPRING, 0.0, 3e-3},
+    {ANCF_ENGINEERING, 0.0, 0.0},
+    {ANCF_ENGINEERING | ANCF_AXIAL_REDUCED, 2e-2, 0.0},
+    {ANCF_ENGINEERING | ANCF_CURVATURE_EXACT, 2e-2, 0.0},
+    {ANCF_ENGINEERING, 0.0, 3e-3},
+    {ANCF_ENGINEERING | ANCF_AXIAL_REDUCED, 2e-2, 3e-3},
+    {ANCF_ENGINEERING | ANCF_CURVATURE_EXACT, 2e-2, 3e-3},
 };
 enum { VARIANTS = sizeof variants / sizeof *variants, DOFS = 12 };
 

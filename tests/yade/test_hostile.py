@@ -49,7 +49,7 @@ def build():
     carried = ball((1.5, 0, 0), 0.01, mass=1e-2, material="cable")
     leader = ball((2, 0, 0), 0.01, material="cable", mask=2)
     second.carry(1, carried)
-    second.follow(2, leader)
+    second.clamp(2, leader)
     second.tie(0, first, 2)
     sheave = pulleys.sheave((0, 0, -2), 0.05, axis=(0, 1, 0), width=0.01, material="cable")
     slider = ball((0, 1, 0), 0.01, mass=0.1, material="cable", mask=4)
@@ -188,12 +188,13 @@ SCALARS = {
 }
 
 SPECIAL = {  # lists: one bad value in place of the last
-    "kind": [16, 64, 2**30, -1, 1],
+    "kind": [32, 64, 2**30, -1, 1],
     "length": [0.0, -1.0, 1e-300],
     "ea": [0.0, -1.0],
     "ei": [-1.0],
     "rhoA": [0.0, -1.0, 1e-300],
     "kelvinVoigt": [-1.0],
+    "massDamping": [-1.0],
     "radius": [0.0, -1.0, 5e-3],
     "segments": [0, 65, 1000],
     "points": [2, 7],
@@ -209,6 +210,7 @@ SPECIAL = {  # lists: one bad value in place of the last
     "clampedEnds": [8, 10**6],
     "followNodes": [0, 6],
     "followIds": [-1, 99, 0, 5],
+    "followEnds": [0, 8, 10**6],
     "carryNodes": [0, 6],
     "carryIds": [-1, 99, 0],
     "loadNodes": [6, 3],
@@ -414,7 +416,7 @@ BAD_IDS = (-1, 99, MOST)
 METHODS = (
     [
         ("CableEngine", lambda e, m=m, n=n: getattr(e, m)(n))
-        for m in ("fix", "release", "tied", "elementsAt", "reaction")
+        for m in ("fix", "release", "tied", "elementsAt", "reaction", "moment")
         for n in BAD_NODES
     ]
     + [
@@ -424,6 +426,14 @@ METHODS = (
     ]
     + [("CableEngine", lambda e, n=n: e.tie(*n)) for n in ((0, 0), (3, 9), (-1, 0), (0, 3), (1, 4))]
     + [("CableEngine", lambda e, n=n: e.clamp(*n)) for n in ((4, 0), (-1, 0), (0, 2), (MOST, 1))]
+    + [
+        ("CableEngine", lambda e, n=n: e.followSlope(*n))
+        for n in ((4, 0), (-1, 0), (0, 2), (MOST, 1), (0, 1))
+    ]
+    + [
+        ("CableEngine", lambda e, r=r: e.maxTension(*r))
+        for r in ((-1, 2, 8), (0, 5, 8), (3, 3, 8), (0, 4, 0))
+    ]
     + [("CableEngine", lambda e, i=i: e.follow(1, i)) for i in (*BAD_IDS, 0, BALL)]
     + [
         ("CableEngine", lambda e, i=i: e.carry(1, i, (0, 0, 0)))
@@ -440,7 +450,7 @@ METHODS = (
     + [
         ("CableEngine", lambda e, o=o: added(e, **o))
         for o in (
-            dict(kind=16),
+            dict(kind=32),
             dict(kind=-1),
             dict(kind=2**30),
             dict(length=array([0.0])),
@@ -451,6 +461,8 @@ METHODS = (
             dict(ei=-1.0),
             dict(rhoA=0.0),
             dict(damping=INF),
+            dict(massDamping=-1.0),
+            dict(massDamping=NAN),
             dict(ends=array([[0, 2]], int)),
             dict(ends=array([[0, 0]], int)),
             dict(ends=array([0], int)),

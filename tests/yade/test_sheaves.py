@@ -81,6 +81,29 @@ def test_cable_rests_on_the_bottom_of_each_profile(scene, profile):
     assert wrap.normal.sum() == pytest.approx(math.pi * tension, rel=0.02)  # N' = T/R, over pi R
 
 
+def test_wrap_angle(scene):
+    """A cable laid over 200 degrees of a sheave and relaxed."""
+    frictionless()
+    sheave = pulleys.sheave((0, 0, 0), R - D / 2, width=12 * D, material="cable")
+    a = math.radians(100)  # to either side of the top
+    start, end = (
+        (side * (R * math.sin(a) + 2 * R * math.cos(a)), 0, R * math.cos(a) - 2 * R * math.sin(a))
+        for side in (-1, 1)
+    )
+    path = pulleys.Path([(sheave, 1)], diameter=D, start=start, end=end)
+    assert math.degrees(path.angles[0]) == pytest.approx(200, abs=1e-9)
+    given = dict(diameter=D, material="cable", bending=0.0, contactPoints=3, tension=1.0)
+    cable = pulleys.lay(path, 60, **given)
+    cable.fix(0)
+    cable.fix(-1)
+    engine = ancf.SheaveEngine()
+    engine.add(sheave, speed=0)
+    O.engines = pulleys.engines(cable, engine, contact=LINEAR, substeps=1)
+    cable.relax(1e-8)
+    steps(2)
+    assert math.degrees(pulleys.wrap(cable, sheave).wrapAngle) == pytest.approx(200, rel=5e-3)
+
+
 # ---- direction -1 ------------------------------------------------------------------------------
 
 

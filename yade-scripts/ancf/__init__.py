@@ -15,7 +15,7 @@ from .lines import Line, lines  # noqa: E402
 from .materials import ropeMaterial  # noqa: E402
 from .nets import Net  # noqa: E402
 from .record import structures  # noqa: E402
-from .running import progress  # noqa: E402
+from .running import progress, settle, stop  # noqa: E402
 from .scene import check, engines, plan, timeStep  # noqa: E402
 
 __all__ = [
@@ -29,6 +29,8 @@ __all__ = [
     "plan",
     "progress",
     "ropeMaterial",
+    "settle",
+    "stop",
     "structures",
     "timeStep",
 ]

@@ -18,10 +18,13 @@ SHARED = """\
     contactPoints    inside each element, evenly: they divide it into contactPoints + 1 segments
                      (springs: one); 0: it touches nothing, whatever contact= says
     damping          Kelvin-Voigt time [s]
+    massDamping      mass-proportional damping alpha [1/s]: a force -alpha M v, which lets swinging
+                     die away as exp(-alpha t/2), and free flight as exp(-alpha t)
     area, bending    [m2], EI [N m2] instead of those of the diameter
     mass             'consistent' or 'lumped'
     axialRule        'exact', or 'reduced' (3 Gauss points: softer in bending-dominated cables)
     curvature        'fast' (|r''|) or 'exact' (|r' x r''|/|r'|^2)
+    strain           'green', (|r'|^2 - 1)/2, or 'engineering', |r'| - 1; springs: always the latter
     selfContact      whether it touches itself; other cables and nets it always touches
     mask             groupMask of its bodies
     label            its name in messages

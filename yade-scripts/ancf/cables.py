@@ -52,18 +52,31 @@ class Cable(Structure):
         slack=None,
         tension=None,
         damping=0.0,
+        massDamping=0.0,
         area=None,
         bending=None,
         mass="consistent",
         axialRule="exact",
         curvature="fast",
+        strain="green",
         selfContact=False,
         closed=False,
         mask=1,
         label="Cable",
     ):
         sec = section(
-            label, material, diameter, area, bending, model, mass, axialRule, curvature, damping
+            label,
+            material,
+            diameter,
+            area,
+            bending,
+            model,
+            mass,
+            axialRule,
+            curvature,
+            strain,
+            damping,
+            massDamping,
         )
         parts = divisions(label, model, elements, midPoints)
         closed = values.flag(f"{label}.closed", closed)
@@ -95,8 +108,14 @@ class Cable(Structure):
         """Tension at s, damping included [N]."""
         return self._span.tension(s)
 
+    def maxTension(self):
+        """Largest tension now [N], and s where it is: (tension, s). Of 8 places of each element and
+        its end."""
+        tension, _, s = self._mostTension()
+        return tension, s
+
     def strain(self, s):
-        """Strain at s [-]: Green's for ANCF, engineering strain for springs."""
+        """Strain at s [-]: Green's, or engineering strain, as for springs always."""
         return self._span.strain(s)
 
     def curve(self, k=8):

@@ -42,17 +42,30 @@ class Net(Structure):
         slack=None,
         tension=None,
         damping=0.0,
+        massDamping=0.0,
         area=None,
         bending=None,
         mass="consistent",
         axialRule="exact",
         curvature="fast",
+        strain="green",
         selfContact=False,
         mask=1,
         label="Net",
     ):
         sec = section(
-            label, material, diameter, area, bending, model, mass, axialRule, curvature, damping
+            label,
+            material,
+            diameter,
+            area,
+            bending,
+            model,
+            mass,
+            axialRule,
+            curvature,
+            strain,
+            damping,
+            massDamping,
         )
         parts = divisions(label, model, elements, midPoints)
         p = values.points(f"{label}.points", points)
@@ -139,6 +152,12 @@ class Net(Structure):
         """Points on the true curves of all edges, (edges, k elements + 1, 3) numpy [m]."""
         state = self._state()
         return np.array([span.curve(k, state) for span in self.spans])
+
+    def maxTension(self):
+        """Largest tension now [N], the number of its edge and s on that: (tension, edge, s). Of 8
+        places of each element and its end.
+        """
+        return self._mostTension()
 
     def mouthArea(self, axis=None):
         """Area of the rim's polygon [m2]: the length of its area vector, sum of p_i x p_(i+1) / 2.

@@ -15,6 +15,7 @@ from . import scene, stretch, values
 from .cables import Cable
 from .laying import curveLength
 from .lines import Line
+from .running import calming, stepsOf
 from .structure import MASK, Structure, anyMaterial, findBody
 
 DEEPEST_START = 0.5  # of a cable in a sheave, in radii of the cable; more is refused
@@ -425,31 +426,14 @@ def engines(*parts, **options):
 
 
 def settle(cable, time, every=1e-3):
-    """Lets a scene come to rest for `time` [s] and sets O.time to 0: whenever kinetic energy has
-    begun to fall, all speeds of cables and of bodies that nothing leads are taken out.
+    """Lets the scene of a cable come to rest for `time` [s], as ancf.settle does, and sets O.time to
+    0.
     """
     time = values.positive("settle: time", time, "s")
-    every = values.positive("settle: every", every, "s")
-    free = [k for k, what in cable._claims.items() if what.startswith("carrying")]
-    carried = [b for k, b in cable._attached if k in free]
-    engines = [e for e in O.engines if isinstance(e, wrapper.SheaveEngine)]
-    loose = [i for e in engines for i, w in zip(e.ids, e.speed) if math.isnan(w)]
-    last, steps = 0.0, max(1, round(every / O.dt))
-    for _ in range(max(1, round(time / (steps * O.dt)))):
-        for _ in range(steps):
-            O.step()
-        states = [O.bodies[b].state for b in carried]
-        kinetic = cable.energy()["kinetic"] + sum(
-            0.5 * s.mass * s.vel.squaredNorm() for s in states
-        )
-        if kinetic < last:
-            cable.engine.velocity = [0.0] * len(cable.engine.velocity)
-            for s in states:
-                s.vel = s.angVel = Vector3.Zero
-            for i in loose:
-                O.bodies[i].state.angVel = Vector3.Zero
-            kinetic = 0.0
-        last = kinetic
+    steps = stepsOf(every)
+    cable._needEngine("settle")
+    for _ in zip(range(max(1, round(time / (steps * O.dt)))), calming(steps)):
+        pass
     O.resetTime()
 
 

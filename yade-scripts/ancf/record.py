@@ -78,9 +78,11 @@ def _claim(engine, structures):
             one, knot = knots[other]
             one._claims[knot] = f"tied to knot {at} of {first.name}"
     holds = [(node, "fixed") for node in engine.fixedNodes]
-    holds += [(n, f"following body {b}") for n, b in zip(engine.followNodes, engine.followIds)]
-    holds += [(n, f"carrying body {b}") for n, b in zip(engine.carryNodes, engine.carryIds)]
     ends = engine.ends
+    turned = {ends[end] for end in engine.followEnds}
+    for node, body in zip(engine.followNodes, engine.followIds):
+        holds.append((node, f"{'clamped to' if node in turned else 'following'} body {body}"))
+    holds += [(n, f"carrying body {b}") for n, b in zip(engine.carryNodes, engine.carryIds)]
     clamped = {ends[end] for end in engine.clampedEnds}
     for node, what in holds:
         for held in {node, *standing.get(node, [])} & knots.keys():

@@ -8,12 +8,13 @@ from yade import O, Vector3, wrapper
 
 from . import values
 from .lines import Line, lineEngines
-from .structure import ELEMENTS, LUMPED, Structure, cableEngines, matrix
+from .structure import ELEMENTS, LUMPED, Structure, anyMaterial, cableEngines, matrix
 
 LAW_OPTIONS = {
     "normal": ("nonlinear", "hertz", "linear"),
     "friction": ("hollars", "coulomb", "none"),
 }
+FRICTION_RULES = ("min", "max", "mean")
 
 
 SOLIDS = ("Sphere", "Box", "Facet", "Wall")  # that cables touch, sheaves besides
@@ -47,8 +48,10 @@ def engines(
     substeps     of the cables inside O.dt, with contacts in each: 'auto' takes one, more only if
                  O.dt is raised later; a number exactly that many. 3 take 15 to 35 % off the time of
                  a capture; restitution at 10 m/s is then off by 2 %, undamped by up to 7 %
-    contact      dict with normal='nonlinear'|'hertz'|'linear' and
-                 friction='hollars'|'coulomb'|'none'
+    contact      dict with normal='nonlinear'|'hertz'|'linear', friction='hollars'|'coulomb'|'none',
+                 frictionRule='min'|'max'|'mean', by which the coefficients of two materials make
+                 one, and frictionPairs={('rope', 'drum'): (0.3, 0.2)}: mu_s and mu_k of pairs of
+                 materials, by label or id, that have their own
     speed        at which bodies other than cables are expected to meet [m/s]; None: the fastest motion
                  in the scene, at least 1. Their contact stiffness and so O.dt depend on it, weakly
     verletDist   sweep length of the collider for bodies other than cables [m]; None: an eighth of
@@ -71,7 +74,7 @@ def engines(
     steps = (
         0 if substeps == "auto" else values.count("engines: substeps", substeps, 1, SUBSTEPS_MOST)
     )
-    law = _lawOptions(contact)
+    law, mixing = _contactOptions(contact)
     if speed is not None:
         values.positive("engines: speed", speed, "m/s")
     if verletDist is None:
@@ -110,8 +113,8 @@ def engines(
             + [_new("Ig2_%s_CableElement_CableGeom" % s) for s in SOLIDS]
             + [_new("Ig2_%s_CarriedSphere_CableGeom" % s) for s in SOLIDS],
             [
-                wrapper.Ip2_HollarsMat_HollarsMat_HollarsPhys(),
-                wrapper.Ip2_FrictMat_HollarsMat_HollarsPhys(),
+                mixing(wrapper.Ip2_HollarsMat_HollarsMat_HollarsPhys()),
+                mixing(wrapper.Ip2_FrictMat_HollarsMat_HollarsPhys()),
                 wrapper.Ip2_FrictMat_FrictMat_FrictPhys(),
             ],
             [
@@ -185,15 +188,50 @@ def _longestAxis():
     return int(np.argmax(places.std(axis=0)))
 
 
-def _lawOptions(contact):
+def _contactOptions(contact):
+    """Options of the laws, and what tells a functor how friction of two materials mixes."""
     if contact is not None and not isinstance(contact, dict):
-        remedy = "must be a dict such as dict(normal='hertz', friction='coulomb'), or None"
+        remedy = "must be a dict such as dict(normal='hertz', frictionRule='mean'), or None"
         values.refuse("engines: contact", contact, remedy, TypeError)
     options = dict(contact or {})
+    rule, pairs = options.pop("frictionRule", "min"), options.pop("frictionPairs", {})
+    values.choice("engines: contact['frictionRule']", rule, FRICTION_RULES)
+    known = [_frictionPair(pair, friction) for pair, friction in _pairs(pairs)]
     for key, value in options.items():
-        values.choice("engines: contact key", key, tuple(LAW_OPTIONS))
+        values.choice("engines: contact key", key, (*LAW_OPTIONS, "frictionRule", "frictionPairs"))
         values.choice(f"engines: contact['{key}']", value, LAW_OPTIONS[key])
-    return options
+
+    def mixing(functor):
+        functor.frictionRule = rule
+        for first, second, friction in known:
+            functor.setFriction(first, second, *friction)
+        return functor
+
+    return options, mixing
+
+
+def _pairs(pairs):
+    if not isinstance(pairs, dict):
+        remedy = "must be a dict such as {('rope', 'drum'): (0.3, 0.2)}"
+        values.refuse("engines: contact['frictionPairs']", pairs, remedy, TypeError)
+    return pairs.items()
+
+
+def _frictionPair(pair, friction):
+    """Ids of two materials in O.materials, and (mu_s, mu_k) of their contacts."""
+    where = f"engines: contact['frictionPairs'][{pair!r}]"
+    if not isinstance(pair, tuple) or len(pair) != 2:
+        values.refuse(where, friction, "must be for a pair of materials, by label or id")
+    ids = []
+    for each in pair:
+        material = anyMaterial(where, each)
+        if material.id < 0:
+            values.refuse(where, each, "append this material to O.materials first")
+        ids.append(material.id)
+    both = values.sequence(where, friction, "two coefficients, static and kinetic")
+    if len(both) != 2:
+        values.refuse(where, friction, "must be two coefficients, static and kinetic")
+    return *ids, [values.notNegative(where, mu, "-") for mu in both]
 
 
 def _appendAll(structures):

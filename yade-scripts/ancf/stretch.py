@@ -9,10 +9,10 @@ MOST, LEAST = 3.0, 0.1  # that a cable may be laid as long as its unstressed len
 
 def underTension(force, section):
     """How many times its unstressed length a straight element of a section is under forces [N]
-    (n): T = EA (ratio^2 - 1)/2 ratio for Green's strain, EA (ratio - 1) for springs.
+    (n): T = EA (ratio^2 - 1)/2 ratio for Green's strain, EA (ratio - 1) for engineering strain.
     """
     pull = np.asarray(force, float) / section.ea
-    if section.spring:
+    if section.engineering:
         return 1 + pull
     ratio = (
         np.cbrt(2 * pull) + 1.0

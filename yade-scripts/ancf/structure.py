@@ -12,12 +12,8 @@ from yade import O, Vector3, wrapper
 from . import values
 from .laying import curvatureWeights, shape, slopeWeights, unit
 
-SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT = (
-    1,
-    2,
-    4,
-    8,
-)  # bits of `kind`, plugin/c/include/ancf/model.h
+# bits of `kind`, plugin/c/include/ancf/model.h
+SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT, ENGINEERING = 1, 2, 4, 8, 16
 
 # Bit of groupMask that all bodies of elements have: the collider leaves their pairs out, which the
 # CableEngine finds itself.
@@ -26,7 +22,7 @@ ELEMENTS = 1 << 29
 MASK = 2**31 - 1  # largest groupMask: an int of YADE's
 SEGMENTS_MOST = 64  # of an element
 SMALLEST, LARGEST = 1e-30, 1e30  # of ea [N], rhoA [kg/m] and, from 0, ei [N m2]
-DAMPING_MOST = 1e6  # [s]
+DAMPING_MOST = 1e6  # [s], and of massDamping [1/s]
 ITERATIONS_MOST = 2**31 - 1  # of relax: an int of the engine's
 
 
@@ -38,6 +34,7 @@ class Section:
     area: float  # [m2]
     bending: float | None  # bending stiffness [N m2]; None: that of a full round of the material
     damping: float  # Kelvin-Voigt time [s]
+    massDamping: float  # mass-proportional damping [1/s]
     kind: int  # sum of the bits above
     material: object  # HollarsMat
 
@@ -45,6 +42,11 @@ class Section:
     def spring(self):
         """Whether it is a tension-only spring."""
         return bool(self.kind & SPRING)
+
+    @property
+    def engineering(self):
+        """Whether its strain is |r'| - 1, and not Green's."""
+        return bool(self.kind & (SPRING | ENGINEERING))
 
     @property
     def ea(self):
@@ -151,7 +153,9 @@ def section(
     mass="consistent",
     axialRule="exact",
     curvature="fast",
+    strain="green",
     damping=0.0,
+    massDamping=0.0,
 ):
     """Section from what the user gave; raises ValueError or TypeError that names the attribute."""
     mat = findMaterial(name, material)
@@ -160,6 +164,7 @@ def section(
     values.choice(f"{name}.mass", mass, ("consistent", "lumped"))
     values.choice(f"{name}.axialRule", axialRule, ("exact", "reduced"))
     values.choice(f"{name}.curvature", curvature, ("fast", "exact"))
+    values.choice(f"{name}.strain", strain, ("green", "engineering"))
     springs = model == "springs"
     if springs and bending is not None and bending != 0:
         values.refuse(f"{name}.bending", bending, "springs do not bend; use model='ancf'")
@@ -175,8 +180,10 @@ def section(
     kind |= LUMPED if springs or mass == "lumped" else 0
     kind |= AXIAL_REDUCED if not springs and axialRule == "reduced" else 0
     kind |= CURVATURE_EXACT if not springs and curvature == "exact" else 0
+    kind |= ENGINEERING if not springs and strain == "engineering" else 0
     damping = values.notNegative(f"{name}.damping", damping, "s", DAMPING_MOST)
-    made = Section(diameter, area, bending, damping, kind, mat)
+    massDamping = values.notNegative(f"{name}.massDamping", massDamping, "1/s", DAMPING_MOST)
+    made = Section(diameter, area, bending, damping, massDamping, kind, mat)
     _checkSection(name, made)
     return made
 
@@ -307,7 +314,7 @@ class Span:
         return self._structure._needEngine("tension").tension(self._engineElement(k), xi)
 
     def strain(self, s):
-        """Strain at s [-]: Green's for ANCF, engineering strain for springs."""
+        """Strain at s [-]: Green's, or engineering strain, as for springs always."""
         k, xi = self._place(s)
         return self._structure._needEngine("strain").strain(self._engineElement(k), xi)
 
@@ -494,6 +501,7 @@ class Structure:
             sec.ei,
             sec.rhoA,
             sec.damping,
+            sec.massDamping,
         )
 
     def _note(self):
@@ -512,6 +520,7 @@ class Structure:
                 "area": section.area,
                 "bending": section.bending,
                 "damping": section.damping,
+                "massDamping": section.massDamping,
             },
             "shows": {
                 "contact": self.contact,
@@ -610,15 +619,21 @@ class Structure:
         self._when(lambda: self.engine.fix(self._node(knot)))
         self._claims[knot] = "fixed"
 
-    def clamp(self, knot):
-        """Holds a knot where it is and the slopes of the cables at it. ValueError for springs,
-        which have none.
+    def clamp(self, knot, bodyId=None):
+        """Holds a knot where it is and the slopes of the cables at it; or, with a bodyId, both as
+        they are in that body's frame, whatever moves and turns the body.
+
+        ValueError for springs, which have no slopes, and for a body that moves freely: it would not
+        feel the clamp.
         """
         knot = self.knot(knot)
         if self.section.spring:
             raise ValueError(
-                f"{self.name}.clamp({knot}): springs have no slopes; use model='ancf', or fix"
+                f"{self.name}.clamp({knot}): springs have no slopes; use model='ancf', fix or follow"
             )
+        if bodyId is not None:
+            self._lead(knot, bodyId, f"{self.name}.clamp", "clamped to", self._clampToNow)
+            return
         self._mayClaim(knot, "clamped")
         wasHeld = self._claims.get(knot) in ("fixed", "clamped")
         self._when(lambda: self._clampNow(knot, wasHeld))
@@ -628,19 +643,38 @@ class Structure:
         engine = self.engine
         if not wasHeld:
             engine.fix(self._node(knot))
-        for e, end in np.argwhere(self._layout.ends == knot).tolist():
-            engine.clamp(self._first[1] + e, end)
+        for element, end in self._endsAt(knot):
+            engine.clamp(element, end)
+
+    def _clampToNow(self, knot, bodyId):
+        self.engine.follow(self._node(knot), bodyId)
+        for element, end in self._endsAt(knot):
+            self.engine.followSlope(element, end)
+
+    def _endsAt(self, knot):
+        """(element of the engine, its end) that meet at a knot of ours."""
+        ends = np.argwhere(self._layout.ends == knot).tolist()
+        return [(self._first[1] + e, end) for e, end in ends]
 
     def follow(self, knot, bodyId):
         """Keeps a knot at its place in a body's frame, whatever moves the body."""
-        knot = self.knot(knot)
-        findBody(f"{self.name}.follow", bodyId)
-        claim = f"following body {bodyId}"
-        self._mayClaim(knot, claim)
-        self._when(
-            lambda: self.engine.follow(self._node(knot), bodyId),
-            lambda: self._attach(knot, bodyId),
+        self._lead(
+            knot,
+            bodyId,
+            f"{self.name}.follow",
+            "following",
+            lambda knot, bodyId: self.engine.follow(self._node(knot), bodyId),
         )
+
+    def _lead(self, knot, bodyId, where, what, now):
+        """Lets a body lead a knot: now(knot, bodyId) tells the engine."""
+        knot = self.knot(knot)
+        findBody(where, bodyId)
+        claim = f"{what} body {bodyId}"
+        if self._claims.get(knot) == claim:
+            return
+        self._mayClaim(knot, claim)
+        self._when(lambda: now(knot, bodyId), lambda: self._attach(knot, bodyId))
         self._claims[knot] = claim
 
     def carry(self, knot, bodyId, at=(0, 0, 0)):
@@ -678,7 +712,7 @@ class Structure:
         self._when(lambda: self.engine.load(self._node(knot), force))
 
     def release(self, knot):
-        """Lets a fixed, clamped or following knot go, and takes its load away."""
+        """Lets a fixed, clamped or led knot go, and takes its load away."""
         knot = self.knot(knot)
         held = self._claims.get(knot, "")
         if held.startswith(("carrying", "tied")):
@@ -852,16 +886,17 @@ class Structure:
                 geom, element = contact.geom, O.bodies[body].shape.element - self._first[1]
                 for xi, n, push, friction in zip(geom.xi, geom.normals, geom.force, geom.friction):
                     if push:
-                        span, s = self._stationOf(element, xi)
-                        found.append((span, s, np.array(list(push * n + friction))))
+                        number, s = self._stationOf(element, xi)
+                        found.append((self.spans[number], s, np.array(list(push * n + friction))))
         return found
 
     def _stationOf(self, element, xi):
-        """The span that an element of ours belongs to, and s at its xi."""
+        """Number of the span that an element of ours belongs to, and s at its xi."""
         firsts = [span._run.first for span in self.spans]
-        span = self.spans[int(np.searchsorted(firsts, element, side="right")) - 1]
+        number = int(np.searchsorted(firsts, element, side="right")) - 1
+        span = self.spans[number]
         arc, k = span._arc, element - span._run.first
-        return span, float((arc[k] + xi * (arc[k + 1] - arc[k])) / arc[-1])
+        return number, float((arc[k] + xi * (arc[k + 1] - arc[k])) / arc[-1])
 
     def _needEngine(self, what):
         if not self.appended:
@@ -879,6 +914,26 @@ class Structure:
         """
         knot = self.knot(knot)
         return self._needEngine("reaction").reaction(self._node(knot))
+
+    def moment(self, knot):
+        """Moment about a clamped knot by which its clamp turns the cable [N m], Vector3."""
+        knot = self.knot(knot)
+        return self._needEngine("moment").moment(self._node(knot))
+
+    def anchorForce(self):
+        """Sum of the forces that hold the knots [N], Vector3: of all that are fixed, clamped or
+        follow a body. What carried bodies do is not among them; a knot that is tied to a held one
+        counts where that is held.
+        """
+        self._needEngine("anchorForce")
+        held = [k for k, what in self._claims.items() if not what.startswith(("carrying", "tied"))]
+        return sum((self.reaction(knot) for knot in held), Vector3.Zero)
+
+    def _mostTension(self):
+        """Largest tension now [N], over 8 places of each element, its span's number and s there."""
+        engine, first = self._needEngine("maxTension"), self._first[1]
+        tension, e, xi = engine.maxTension(first, first + self.elementCount, 8)
+        return tension, *self._stationOf(e - first, xi)
 
     def energy(self):
         """Energies [J]: kinetic, axial, bending, gravity; carried bodies not counted."""

@@ -147,7 +147,7 @@ static bool step_through(fuzz* f, ancf_table* t, built* b, double step, bool fir
     if (sane) need(ancf_finite(m, m->x) && ancf_finite(m, m->v));
     double v[3];
     for (int i = 0; i < ancf_table_contacts(t); ++i) ancf_table_slip(v, t, ancf_table_contact(t, i));
-    ancf_table_impulse(v, t, pick(f, b->n_dof));
+    ancf_table_impulse(v, t, m, pick(f, b->n_dof));
     ancf_table_twist_left(v, t);
     return true;
 }

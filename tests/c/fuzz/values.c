@@ -68,7 +68,7 @@ ancf_friction good_friction_law(fuzz* f) {
 
 static int any_kind(fuzz* f) {
     if (by_chance(f, f->chance)) return index_below(f, 64);
-    return by_chance(f, 0.2) ? ANCF_SPRING : pick(f, 8) * 2;
+    return by_chance(f, 0.2) ? ANCF_SPRING : pick(f, 16) * 2;
 }
 
 static void join(built* b, fuzz* f, int shape) {
@@ -97,7 +97,8 @@ built any_build(fuzz* f) {
                               .length = magnitude(f, 1e-3, 1.0),
                               .ea = magnitude(f, 1.0, 1e6),
                               .rho_a = magnitude(f, 1e-4, 1.0),
-                              .damping = by_chance(f, 0.5) ? 0.0 : magnitude(f, 1e-7, 1e-3)};
+                              .damping = by_chance(f, 0.5) ? 0.0 : magnitude(f, 1e-7, 1e-3),
+                              .drag = by_chance(f, 0.7) ? 0.0 : magnitude(f, 1e-2, 1e3)};
         if (!(el->kind & ANCF_SPRING) && by_chance(f, 0.8)) el->ei = magnitude(f, 1e-8, 1e-2);
         if (same && e > 0 && !by_chance(f, f->chance)) *el = b.element[0];
     }

@@ -205,7 +205,7 @@ double ancf_owed(double before, const double late[3], const double changing[3]);
 void ancf_table_forces(const ancf_table* table, const ancf_model* m, double time, double* force);
 
 // What the table's impulses give to an unknown in this step, before other unknowns share it [N s].
-void ancf_table_impulse(double impulse[3], const ancf_table* table, int dof);
+void ancf_table_impulse(double impulse[3], const ancf_table* table, const ancf_model* m, int dof);
 
 // Relative velocity of the first side against the second, as it is now [m/s].
 void ancf_table_slip(double v[3], const ancf_table* table, const ancf_contact* contact);

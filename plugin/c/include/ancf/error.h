@@ -14,6 +14,7 @@
     X(ANCF_E_STIFFNESS, "ea must be finite and above zero, ei finite and not below zero")                              \
     X(ANCF_E_MASS, "rho_a must be finite and above zero, and an added mass finite and not below zero")                 \
     X(ANCF_E_DAMPING, "damping must be finite and not below zero")                                                     \
+    X(ANCF_E_DRAG, "mass-proportional damping must be finite and not below zero")                                      \
     X(ANCF_E_SPRING, "a spring element has no bending stiffness: use an ANCF element")                                 \
     X(ANCF_E_STATE, "a position, slope or velocity is not finite")                                                     \
     X(ANCF_E_FACTOR, "the mass matrix could not be factored")                                                          \

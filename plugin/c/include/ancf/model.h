@@ -19,6 +19,7 @@ enum {
     ANCF_LUMPED = 2,          // diagonal mass
     ANCF_AXIAL_REDUCED = 4,   // axial energy by 3 Gauss points instead of exactly
     ANCF_CURVATURE_EXACT = 8, // bending by kappa = |r' x r''|/|r'|^2 instead of |r''|
+    ANCF_ENGINEERING = 16,    // axial strain |r'| - 1 instead of (r'.r' - 1)/2; of springs always
 };
 
 typedef struct {
@@ -28,6 +29,7 @@ typedef struct {
     double ei;      // bending stiffness [N m2]; 0: none is computed
     double rho_a;   // mass per length [kg/m]
     double damping; // Kelvin-Voigt time [s]; 0: none is computed
+    double drag;    // mass-proportional damping [1/s]; 0: none is computed
 } ancf_element;
 
 // How a node moves, and how a slope does.
@@ -103,10 +105,11 @@ typedef struct {
     double* weight; // (n_dof) gravity's force is weight g [kg or kg m]
     double gravity[3];
     bool unloaded;           // external is zero, and is not read
+    bool dragged;            // some elements have mass-proportional damping
     bool track;              // elastic and what follows are wanted
     double elastic;          // energy at the positions that the last step started from [J]
-    double damping_power[2]; // of Kelvin-Voigt forces in the last step, at the velocities before and after [W]
-    double damping_work;     // taken out by Kelvin-Voigt forces so far [J]
+    double damping_power[2]; // of Kelvin-Voigt forces and drag in the last step, at the velocities before and after [W]
+    double damping_work;     // taken out by them so far [J]
     double damping_half;     // of that, before the positions that the last step started from [J]
 
     double *x, *v;    // state, (3 x stride) each: positions [m], slopes [-], and their rates. The caller's.
@@ -135,6 +138,9 @@ static inline void ancf_model_dofs(int dof[4], const ancf_model* m, int element)
     dof[2] = m->ends[2 * element + 1];
     dof[3] = m->n_nodes + m->n_elements + element;
 }
+
+// The other copy of a slope that goes on from one element into the next, or -1.
+int ancf_model_twin(const ancf_model* m, int dof);
 
 // Value at xi of element e of the field whose blocks are at `field` (m->x gives the position, m->v the velocity).
 void ancf_model_at(double value[3], const ancf_model* m, const double* field, int element, double xi);

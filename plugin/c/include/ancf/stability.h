@@ -7,8 +7,11 @@
 // Highest frequency of an element on its own [rad/s], straight and unstressed: a bound on that of the whole model.
 double ancf_element_frequency(const ancf_element* element);
 
-// Stable step [s] at a largest strain, h = 0.9 (2/w)(sqrt(1 + z^2) - z) with z = damping w/2 and w times
-// sqrt(1 + 3 strain); *element is the one that sets it. Not a number, 0 or infinite for values that are too far from
+// By how much the square of that is larger at a strain, at most.
+double ancf_stiffening(int kind, double strain);
+
+// Stable step [s] at a largest strain, h = 0.9 (2/w)(sqrt(1 + z^2) - z) with z = (damping w + drag/w)/2 and w^2 times
+// ancf_stiffening; *element is the one that sets it. Not a number, 0 or infinite for values that are too far from
 // those of a cable, in that element.
 double ancf_critical_step(const ancf_model* m, double strain, int* element);
 

@@ -32,7 +32,8 @@ void ancf_rk4(ancf_model* m, double step);
 // Accelerations at a state into m->a.
 void ancf_acceleration(ancf_model* m, const double* x, const double* v);
 
-// Force that holds unknown i at the last step [N]: M a - f of its row, for nodes and slopes that are held.
+// Force that holds an unknown at the last step [N, N m]: M a - f of its row, for nodes and slopes that are held. Of a
+// slope that goes on into the next element, that on both copies.
 void ancf_reaction(double force[3], const ancf_model* m, int dof);
 
 #endif
