@@ -1,11 +1,14 @@
-"""A net, shot at a fixed ball by four bullets, wraps it: Table 2 of Shan, Guo and Gill 2019.
+"""A stowed net, shot by four bullets, opens, meets a fixed ball and embraces it: Table 2 of Shan, Guo and
+Gill 2019.
 
-Run it by `/usr/bin/python3 ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options.
-Results go to out/. Source: Shan, Guo, Gill, Advances in Space Research (2019), doi
-10.1016/j.asr.2019.10.041.
+Nothing draws its mouth shut, so its own recoil opens it again; with --close a line through the rings of its rim does,
+and it holds the ball. Run it by `/usr/bin/python3
+ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options. Results go to out/.
+Source: Shan, Guo, Gill, Advances in Space Research (2019), doi 10.1016/j.asr.2019.10.041.
 """
 
 import argparse
+import csv
 import pathlib
 import sys
 import time
@@ -13,6 +16,7 @@ import time
 import numpy as np
 
 import ancf
+from ancf.capture import HOLD, Capture
 from yade import O, utils
 
 # ---- parameters, SI units ----------------------------------------------------------------------
@@ -28,16 +32,13 @@ BULLET_ANGLE = 25.0  # between velocity and x [deg]
 TARGET_DISTANCE = 1.0  # from the net to the centre of the ball, along x [m]
 BALL_RADIUS = 0.08  # [m]
 DURATION = 1.5  # [s]
+CLOSED_FOR = 10.0  # with --close [s]
 
 # Not given by the study: chosen here, and printed as assumed.
 ASSUMED = dict(
     diameter=1e-3,  # of the cables [m]
     density=1440.0,  # of the cables [kg/m3]
-    # Size of the folded net as part of the open one. Of folds from 0.05 to 0.9, the one that still
-    # holds the ball at 1.5 s: the net opens early, closes before the ball and wraps it from the
-    # front. Nets folded smaller open at 0.5 s, wrap at 0.9 to 1.3 s, and their elastic recoil takes
-    # the bullets back before the end.
-    fold=0.65,
+    fold=0.1,  # size of the stowed net as part of the open one
     bulletRadius=0.01,  # [m]
     ballYoung=70e9,  # [Pa]
     ballPoisson=0.33,
@@ -48,37 +49,48 @@ ASSUMED = dict(
     damping=5e-5,  # Kelvin-Voigt time of the cables [s]
     gravity=0.0,  # [m/s2]
 )
+LINE = dict(  # with --close; by a winch in one of the bullets
+    slack=0.02,  # of the line, beside the open rim [-]
+    speed=4.0,  # of the winch [m/s]
+    force=10.0,  # at most [N]
+    left=0.15,  # of the rim's length, at which it stops [-]
+)
+HELD = 0.9  # share of the ball that a net must enclose to hold it
 MASS = "lumped"
 SELF_CONTACT = True  # cables of the net do not pass through each other
 
 SAMPLE = 5e-3  # time between two samples [s]
-STRIP_TIMES = (0.25, 0.7, 1.1, 1.4)  # of the pictures [s]
+STRIP_TIMES = (0.25, 0.5, 0.7, 1.1, 1.4)  # of the pictures: the study's, and the open net [s]
+FILM_EVERY = 2  # samples between two pictures of the film
 NUDGE = 1e-3  # relative, of speed, angle and place of the ball in perturbed runs
 
 
-def material(label, young, poisson, density):
-    a = ASSUMED
-    return ancf.HollarsMat(
-        label=label,
-        young=young,
-        poisson=poisson,
-        density=density,
-        impactDamping=a["alpha"],
-        staticFriction=a["staticFriction"],
-        kineticFriction=a["kineticFriction"],
-        transitionVelocity=a["transitionVelocity"],
+def material(label, young=YOUNG, poisson=POISSON, density=ASSUMED["density"], **others):
+    """That of the cables, but for what is given."""
+    contact = dict(
+        impactDamping=ASSUMED["alpha"],
+        staticFriction=ASSUMED["staticFriction"],
+        kineticFriction=ASSUMED["kineticFriction"],
+        transitionVelocity=ASSUMED["transitionVelocity"],
     )
+    contact.update(others)
+    return ancf.HollarsMat(label=label, young=young, poisson=poisson, density=density, **contact)
 
 
-def build(nudge):
-    """The scene; nudge (4) changes speed, angle and the ball's y and z a little.
+def appendMaterials(target="ball"):
+    """Those of the cables and of the target."""
+    O.materials.append(material("cable"))
+    O.materials.append(material(target, ASSUMED["ballYoung"], ASSUMED["ballPoisson"], 2700))
 
-    Returns the net and the ball's id.
+
+def build(nudge, close=False, **assumed):
+    """The scene; nudge (4) changes speed, angle and the ball's y and z a little, `assumed` what is in ASSUMED.
+
+    Returns the net, the ball's id and the closing line, or None.
     """
-    a = ASSUMED
+    a = {**ASSUMED, **assumed}
     O.reset()
-    O.materials.append(material("cable", YOUNG, POISSON, a["density"]))
-    O.materials.append(material("ball", a["ballYoung"], a["ballPoisson"], 2700))
+    appendMaterials()
     center = (TARGET_DISTANCE, nudge[2] * BALL_RADIUS, nudge[3] * BALL_RADIUS)
     ball = O.bodies.append(utils.sphere(center, BALL_RADIUS, material="ball", fixed=True))
     net = ancf.Net.square(
@@ -100,29 +112,52 @@ def build(nudge):
         BULLET_SPEED * (1 + nudge[0]),
         np.radians(BULLET_ANGLE) * (1 + nudge[1]),
     )
-    O.engines = ancf.engines(net, gravity=(0, 0, -a["gravity"]))
+    line = closingLine(net, a["diameter"]) if close else None
+    parts = [net, line] if close else [net]
+    O.engines = ancf.engines(*parts, gravity=(0, 0, -a["gravity"]))
     ancf.check()
-    return net, ball
+    return net, ball, line
 
 
-class Capture:
+def closingLine(net, diameter):
+    """From the first bullet through the rings of the rim and back to it."""
+    at = net.rim.index(net.corners[0])
+    rings = [*net.rim[at:], *net.rim[:at], net.rim[at]]
+    return ancf.Line(
+        [(net, knot) for knot in rings],
+        diameter=diameter,
+        material="cable",
+        length=(1 + LINE["slack"]) * 4 * MESHES * MESH_LENGTH,
+        label="closing line",
+    )
+
+
+class Run:
     """One run and what is measured in it."""
 
-    def __init__(self, nudge, pictures, duration, title):
+    def __init__(self, nudge, pictures, duration, title, close=False, **assumed):
         from ancf.plots import Film, History
 
-        self.net, self.ball = build(nudge)
+        self.net, self.ball, self.line = build(nudge, close, **assumed)
         self.history = History(self.net)
-        self.film = Film([self.net], [self.ball]) if pictures else None
-        self.contacts, self.energy = [], []
+        left = {"line_left_m": lambda: self.line.length} if close else {}
+        self.capture = Capture(self.net, self.ball, also=left)
+        shown = [self.net, self.line] if close else [self.net]
+        self.film = Film(shown, [self.ball]) if pictures else None
+        self.closing = None
+        self.energy = []
         self.duration, self.title = duration, title
         O.trackEnergy = True
 
     def sample(self):
         self.history.sample()
-        self.contacts.append(self.net.engine.contacts)
+        self.capture.sample()
         self.energy.append(O.energy.total())
-        if self.film and len(self.contacts) % 2:
+        if self.line and self.closing is None and self.capture.beyond[-1] == 1:
+            self.closing = O.time
+            left = LINE["left"] * 4 * MESHES * MESH_LENGTH
+            self.line.haul(LINE["speed"], LINE["force"], to=left)
+        if self.film and len(self.energy) % FILM_EVERY:
             self.film.take()
 
     def run(self):
@@ -138,71 +173,100 @@ class Capture:
     # ---- what came out
 
     @property
-    def deployed(self):
-        """Time of the largest mouth area before the first contact [s]."""
-        touching = np.flatnonzero(self.contacts)
-        free = self.history.area[: touching[0]] if len(touching) else self.history.area
-        return self.history.time[int(np.argmax(free))]
-
-    @property
-    def firstContact(self):
-        """Time of the first contact, within a sample [s]; None: there was none."""
-        touching = np.flatnonzero(self.contacts)
-        return self.history.time[touching[0]] if len(touching) else None
-
-    @property
-    def mouth(self):
-        """Mouth area at the end as part of the largest."""
-        return self.history.area[-1] / max(self.history.area)
-
-    @property
     def penetration(self):
         """Deepest penetration of a contact point [m]."""
         return self.net.engine.maxPenetration
 
     @property
-    def behind(self):
-        """Bullets beyond the ball's centre at the end."""
-        center = O.bodies[self.ball].state.pos[0]
-        return sum(p[0] > center for p in self.history.position[-1])
+    def embraced(self):
+        """Four bullets beyond the ball's centre and a mouth below a quarter, for HOLD, and nothing deeper than a
+        cable is thick.
+        """
+        return self.capture.embraced is not None and self.penetration < ASSUMED["diameter"]
 
     @property
-    def wrapped(self):
-        """All bullets beyond the centre, mouth below 25 %, penetration below one diameter."""
-        deep = self.penetration >= ASSUMED["diameter"]
-        return self.behind == 4 and self.mouth < 0.25 and not deep
+    def held(self):
+        """Whether the net, drawn shut, still encloses the ball."""
+        return self.closing is not None and self.capture.row()["enclosed_end"] >= HELD
+
+    @property
+    def good(self):
+        """Whether it did what it is to do."""
+        return self.held if self.line else self.embraced
+
+    def stages(self):
+        """(what, when) of the stages that it came to."""
+        c, row = self.capture, self.capture.row()
+        flat = (MESHES * MESH_LENGTH) ** 2
+        yield "open", f"{c.open:.3f} s, {100 * row['mouth_open_m2'] / flat:.0f} % of the flat net"
+        if c.contact is not None:
+            yield "first contact", f"{c.contact:.3f} s"
+        if c.embraced is not None:
+            since, until = c.embraced
+            yield "embraced", f"{since:.3f} to {until:.3f} s"
+            tight = 100 * row["mouth_tightest"]
+            yield "tightest", f"{c.tightest:.3f} s, mouth {tight:.0f} % of its largest"
+        if c.recoil is not None:
+            yield "recoil", f"{c.recoil:.3f} s"
 
     def report(self):
+        for what, when in self.stages():
+            print(f"{what:21}{when}")
+        row = self.capture.row()
         total = np.array(self.energy[1:])  # tracked from the first step on
         balance = np.abs(total / total[0] - 1).max()
-        first = "none" if self.firstContact is None else f"{self.firstContact:.3f} s"
         step = 1e6 * self.wall / O.iter
-        print(f"full deployment      {self.deployed:.3f} s, {max(self.history.area):.4f} m2")
-        print(f"first contact        {first}")
-        print(f"contacts             {max(self.contacts)} at most, {self.contacts[-1]} at the end")
+        print(
+            f"at the end           {4 * row['beyond_end']:.0f} of 4 bullets beyond the ball's centre, "
+            f"mouth {100 * row['mouth_end']:.0f} %"
+        )
+        print(
+            f"enclosed             {100 * row['enclosed_most']:.0f} % of the ball at most", end=""
+        )
+        print(f", {100 * row['enclosed_end']:.0f} % at the end")
+        print(f"quality index        {row['quality_best']:.2f} at best (0: as large as the ball)")
+        print(f"largest tension      {row['tension_most_N']:.1f} N")
+        if self.line:
+            drawn = f"{self.line.tensions.max():.1f} N, {self.line.length:.2f} m left"
+            print(
+                f"closing line         drawn from {self.closing or 0:.3f} s; {drawn}, {self.line.winch()}"
+            )
+        print(f"given to the ball    {row['momentum_end_Ns']:.3f} N s")
         print(
             f"deepest penetration  {self.penetration:.3g} m of {ASSUMED['diameter']:g} m diameter"
         )
         print(f"energy balance       within {balance:.1e} of the energy at the start")
-        print(
-            f"bullets behind ball  {self.behind} of 4, mouth {100 * self.mouth:.0f} % of the largest"
-        )
         print(f"step                 {O.dt:.3g} s, {O.iter} steps, {step:.1f} us each")
         print(f"wall time            {self.wall:.2f} s for {O.time:.2f} s simulated")
-        print(f"wrapped              {'yes' if self.wrapped else 'NO'}", flush=True)
+        print(f"=> {self.verdict}", flush=True)
+
+    @property
+    def verdict(self):
+        """What came out, in a sentence."""
+        if self.line:
+            enclosed = 100 * self.capture.row()["enclosed_end"]
+            return f"{'held' if self.held else 'NOT held'} at {O.time:.1f} s, {enclosed:.0f} % enclosed"
+        if not self.embraced:
+            return f"NOT embraced for {HOLD} s"
+        since, until = self.capture.embraced
+        told = f"embraced for {until - since:.2f} s"
+        if self.capture.recoil is None:
+            return f"{told}, and still at the end"
+        return f"{told}, then opened by its own recoil: nothing draws its mouth shut"
 
     def pictures(self, folder):
-        events = {"open": self.deployed}
-        if self.firstContact is not None:
-            events["contact"] = self.firstContact
+        c = self.capture
+        since = c.embraced and c.embraced[0]
+        events = {"open": c.open, "contact": c.contact, "embraced": since, "recoil": c.recoil}
+        events = {name: t for name, t in events.items() if t is not None}
         self.history.plot(folder / "bullets.png", events)
         times = [t for t in STRIP_TIMES if t <= self.duration] or [self.duration]
-        self.film.strip(folder / "strip.png", times)
-        return self.film.animate(folder / "capture.mp4", slower=1 / (25 * 2 * SAMPLE))
+        self.film.strip(folder / "strip.png", times, cell=(420, 420))
+        return self.film.animate(folder / "capture.mp4", slower=1 / (25 * FILM_EVERY * SAMPLE))
 
 
 def head():
-    print("A net catches a ball (Shan, Guo, Gill 2019, Table 2)")
+    print("A net embraces a ball (Shan, Guo, Gill 2019, Table 2)")
     print(
         f"  net {MESHES} x {MESHES} meshes of {MESH_LENGTH} m, {ELEMENTS} element(s) an edge,",
         end=" ",
@@ -217,47 +281,60 @@ def head():
 
 
 def options():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=" ".join(__doc__.split("\n\n")[0].split()))
     parser.add_argument(
-        "--runs", type=int, default=0, help="perturbed runs to check 'wrapped' with"
+        "--runs", type=int, default=0, help="perturbed runs, all to embrace the ball"
     )
-    parser.add_argument("--time", type=float, default=DURATION, help="to simulate [s]")
+    parser.add_argument("--close", action="store_true", help="draw the mouth shut by a line")
+    parser.add_argument("--time", type=float, help=f"to simulate [s], {DURATION}, or {CLOSED_FOR}")
+    parser.add_argument(
+        "--damping",
+        type=float,
+        default=ASSUMED["damping"],
+        help="Kelvin-Voigt time of the cables [s], %(default)g",
+    )
     parser.add_argument("--no-pictures", action="store_true", help="no plots, strip or animation")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out"), help="folder")
     return parser.parse_args()
 
 
-def checkRuns(runs, duration):
-    """Perturbed runs; True if at most one in eight is not wrapped."""
-    wrapped = 0
-    for k in range(runs):
-        nudge = NUDGE * np.random.default_rng(k + 1).normal(size=4)
-        capture = Capture(nudge, False, duration, f"run {k + 1} of {runs}").run()
-        wrapped += capture.wrapped
-        print(
-            f"run {k + 1}: {'wrapped' if capture.wrapped else 'NOT wrapped'}, "
-            f"bullets behind {capture.behind}, mouth {100 * capture.mouth:.0f} %, "
-            f"penetration {capture.penetration:.2g} m, open at {capture.deployed:.2f} s, "
-            f"{capture.wall:.2f} s wall",
-            flush=True,
-        )
-    print(f"{wrapped} of {runs} runs wrapped")
-    return wrapped >= runs - runs // 8
+def nudges(number):
+    """What build() takes in perturbed run 1, 2, ..."""
+    return NUDGE * np.random.default_rng(number).normal(size=4)
+
+
+def checkRuns(runs, duration, folder, close):
+    """Perturbed runs, a row each in captures.csv; True if all embraced the ball, or hold it."""
+    rows, good = [], 0
+    for k in range(1, runs + 1):
+        run = Run(nudges(k), False, duration, f"run {k} of {runs}", close).run()
+        good += run.good
+        rows.append({"run": k, **run.capture.row()})
+        stages = ", ".join(" ".join(stage) for stage in run.stages())
+        print(f"run {k}: {run.verdict}\n  {stages}; {run.wall:.2f} s wall", flush=True)
+    with open(folder / "captures.csv", "w", newline="", encoding="utf-8") as file:
+        out = csv.DictWriter(file, rows[0])
+        out.writeheader()
+        out.writerows(rows)
+    print(f"{good} of {runs} runs {'held' if close else 'embraced'}")
+    return good == runs
 
 
 def main():
     args = options()
+    ASSUMED["damping"] = args.damping
     head()
-    if args.runs:
-        return 0 if checkRuns(args.runs, args.time) else 1
     args.out.mkdir(parents=True, exist_ok=True)
-    capture = Capture(np.zeros(4), not args.no_pictures, args.time, "capture").run()
-    capture.report()
-    capture.history.save(args.out / "bullets.csv")
+    duration = args.time or (CLOSED_FOR if args.close else DURATION)
+    if args.runs:
+        return 0 if checkRuns(args.runs, duration, args.out, args.close) else 1
+    run = Run(np.zeros(4), not args.no_pictures, duration, "capture", args.close).run()
+    run.report()
+    run.history.save(args.out / "bullets.csv")
     if not args.no_pictures:
-        film = capture.pictures(args.out)
+        film = run.pictures(args.out)
         print(f"pictures             {args.out}/bullets.png, {args.out}/strip.png, {film}")
-    return 0 if capture.wrapped or args.time < DURATION else 1
+    return 0 if run.good or duration < DURATION else 1
 
 
 if __name__ == "__main__":

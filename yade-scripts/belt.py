@@ -40,13 +40,12 @@ def build(
 ):
     """The scene; (cable, sheave ids, SheaveEngine). torque: of the load [N m]; None: it grows."""
     O.reset()
-    area = math.pi * DIAMETER**2 / 4
     O.materials.append(
-        ancf.HollarsMat(
+        ancf.ropeMaterial(
+            DIAMETER,
+            EA,
+            RHO_A,
             label="belt",
-            young=EA / area,
-            density=RHO_A / area,
-            poisson=0.3,
             staticFriction=MU,
             kineticFriction=MU,
             transitionVelocity=transition,

@@ -15,6 +15,7 @@ from scipy.integrate import solve_bvp, solve_ivp
 from scipy.optimize import brentq
 
 import ancf
+import ball_capture as given
 from ancf.plots import plt
 from yade import O, Vector3, gridpfacet, utils, wrapper
 
@@ -29,9 +30,13 @@ PENDULUM_GREEN = (0.653008, 0.046209, 0.659919)
 PENDULUM_ENGINEERING = (0.652736, 0.046231, 0.659748)
 CANTILEVER = dict(young=2.07e11, radius=0.05, density=7850)
 CANTILEVER_LENGTH, CANTILEVER_LOAD = 2.0, 3.0  # [m], tip load in E I/L^2
-NET = dict(young=4.456e8, radius=0.5e-3, density=1440)
-MESHES, MESH = 6, 0.08
-BALL, DROP, FALL = 0.08, 0.02, 0.25  # radius, height [m], time simulated [s]
+NET = dict(
+    young=given.YOUNG,
+    radius=given.ASSUMED["diameter"] / 2,
+    density=given.ASSUMED["density"],
+)
+MESHES, MESH = given.MESHES, given.MESH_LENGTH
+BALL, DROP, FALL = given.BALL_RADIUS, 0.02, 0.25  # radius, height [m], time simulated [s]
 SETTLE = 0.4  # NewtonIntegrator.damping on the way to rest
 RELAX = 1e-6  # tolerance of relax()
 RESERVE = 0.7  # of the critical step
@@ -566,15 +571,7 @@ def dropOurs(model, parts, shape="ball", duration=FALL):
     O.reset()
     for label in ("cable", "outside"):
         O.materials.append(
-            ancf.HollarsMat(
-                label=label,
-                young=NET["young"],
-                poisson=0.3,
-                density=NET["density"],
-                staticFriction=0.3,
-                kineticFriction=0.3,
-                impactDamping=0.2,
-            )
+            given.material(label, NET["young"], density=NET["density"], kineticFriction=0.3)
         )
     onTarget(shape)
     springs = model == "springs"

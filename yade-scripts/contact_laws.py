@@ -11,6 +11,7 @@ import pathlib
 import numpy as np
 
 import ancf
+import ball_capture as given
 from ancf.plots import plt
 from yade import O, Vector3, utils
 from yade.wrapper import (
@@ -27,7 +28,6 @@ from yade.wrapper import (
 RADIUS = 0.01  # of the ball [m]
 MASS = 0.05  # of the ball [kg]
 SPEED = 1.5  # of the impact [m/s]
-YOUNG, POISSON = 4.456e8, 0.3  # of ball and box
 ALPHAS = (0.08, 0.16, 0.24, 0.32)  # of the nonlinear damping [s/m]
 LINEAR_STIFFNESS = 5.0e5  # of the spring-dashpot [N/m]
 DASHPOTS = (5.0, 20.0)  # its damping [N s/m]
@@ -39,8 +39,7 @@ FASTEST = 10 * TRANSITION  # [m/s]
 
 
 def material(**values):
-    base = dict(young=YOUNG, poisson=POISSON, density=1440, label="m", impactDamping=0.0)
-    O.materials.append(ancf.HollarsMat(**{**base, **values}))
+    O.materials.append(given.material("m", **{"impactDamping": 0.0, **values}))
 
 
 def engines(**law):

@@ -13,7 +13,8 @@ import numpy as np
 
 import ancf
 import ball_capture as given
-from net_study import runAll
+from ancf.capture import CLOSED, HOLD, Capture
+from net_study import insist, runAll
 from yade import O, Vector3, utils
 
 # ---- parameters, SI units; the rest is ball_capture's --------------------------------------------
@@ -28,14 +29,14 @@ SAMPLE = 0.005  # way between two samples [m]
 
 
 def scene(mass, speed, angle, target):
-    """The net and its bullets, and a fixed ball if there is a target."""
-    a = given.ASSUMED
+    """The net and its bullets; and the id of a fixed ball if there is a target, else None."""
+    a, ball = given.ASSUMED, None
     O.reset()
-    O.materials.append(given.material("cable", given.YOUNG, given.POISSON, a["density"]))
-    O.materials.append(given.material("ball", a["ballYoung"], a["ballPoisson"], 2700))
+    given.appendMaterials()
     if target:
         center = Vector3(given.TARGET_DISTANCE, 1e-6, 2e-6)  # symmetry would be an accident
-        O.bodies.append(utils.sphere(center, given.BALL_RADIUS, material="ball", fixed=True))
+        body = utils.sphere(center, given.BALL_RADIUS, material="ball", fixed=True)
+        ball = O.bodies.append(body)
     net = ancf.Net.square(
         given.MESHES,
         given.MESH_LENGTH,
@@ -50,29 +51,32 @@ def scene(mass, speed, angle, target):
     net.addBullets(mass, a["bulletRadius"], speed, np.radians(angle))
     O.engines = ancf.engines(net)
     O.dt = 0.8 * net.criticalTimeStep()
-    return net
+    return net, ball
 
 
 class Flight:
     """Mouth area and way of the bullets over time."""
 
     def __init__(self, mass, speed, angle, target=False, smaller=1.0):
-        net = scene(mass, speed, angle, target)
+        net, ball = scene(mass, speed, angle, target)
+        capture = Capture(net, ball, hold=HOLD * given.BULLET_SPEED / speed) if target else None
         O.dt *= smaller
         self.mass, self.speed, self.angle = mass, speed, angle
         duration = (WAY if not target else given.DURATION * given.BULLET_SPEED) / speed
         every = max(1, round(SAMPLE / speed / O.dt))
-        time, area, way, behind = [], [], [], []
+        time, area, way = [], [], []
         while O.time < duration:
             time.append(O.time)
             area.append(net.mouthArea())
             x = np.array([O.bodies[i].state.pos[0] for i in net.bullets])
             way.append(x.mean())
-            behind.append((x > given.TARGET_DISTANCE).sum())
+            if capture:
+                capture.sample()
             for _ in range(every):
                 O.step()
-        self.time, self.way, self.behind = np.array(time), np.array(way), np.array(behind)
+        self.time, self.way = np.array(time), np.array(way)
         self.area = np.array(area) / (given.MESHES * given.MESH_LENGTH) ** 2
+        self.captured = self._captured(capture) if target else None
 
     @property
     def open(self):
@@ -91,22 +95,17 @@ class Flight:
         first, last = self.open
         return self.time[first], self.way[first], self.way[last] - self.way[first]
 
-    @property
-    def captured(self):
-        """Whether all bullets are behind the ball's centre with a mouth below a quarter of the
-        largest: 2 at the end, 1 at some time before, 0 never.
+    @staticmethod
+    def _captured(capture):
+        """Whether the net embraced the ball: 2 for HOLD at 1.5 m/s, and as much of the way at other speeds; 1 for
+        less; 0 never.
         """
-        closed = (self.behind == 4) & (self.area < 0.25 * self.area.max())
-        return 2 if closed[-1] else int(closed.any())
+        closed = (np.array(capture.beyond) == 1) & (capture.share < CLOSED)
+        return 2 if capture.embraced else int(closed.any())
 
 
 def fly(job):
-    for again in range(4):
-        try:
-            return Flight(*job, smaller=0.5**again)
-        except RuntimeError as told:  # the engine refuses a step that has become too long
-            print(f"{job}: {told}; again with half the step", flush=True)
-    raise RuntimeError(f"{job}: no step is short enough")
+    return insist(Flight, job)
 
 
 def largestArea(flight):
@@ -163,7 +162,7 @@ def plot(series, grid, file):
         if what == "area":
             figure.colorbar(image, ax=ax)
     axes[1, 1].set_title("largest mouth area / flat net before the ball", fontsize=10)
-    axes[1, 2].set_title("ball at 1 m: ● wrapped at the end, + only before, - never", fontsize=10)
+    axes[1, 2].set_title("ball at 1 m: ● embraced, + only for a while, - never", fontsize=10)
     figure.tight_layout()
     figure.savefig(file, dpi=90)
     plt.close(figure)
@@ -208,7 +207,7 @@ def main():
             )
     caught = [f.captured for f in grid]
     print(
-        f"  map: {caught.count(2)} of {len(grid)} end wrapped, {caught.count(1)} were for a while"
+        f"  map: {caught.count(2)} of {len(grid)} embrace the ball, {caught.count(1)} for a while"
     )
     print(f"figures: {args.out}/deployment.png")
 

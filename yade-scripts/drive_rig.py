@@ -52,13 +52,12 @@ def build(elements=ELEMENTS, points=CONTACT_POINTS, **changes):
     """The scene; (cable, sheave id, SheaveEngine, GuideEngine, drive id, body id)."""
     a = {**ASSUMED, **changes}
     O.reset()
-    area = math.pi * a["diameter"] ** 2 / 4
     O.materials.append(
-        ancf.HollarsMat(
+        ancf.ropeMaterial(
+            a["diameter"],
+            EA,
+            RHO_A,
             label="fibre",
-            young=EA / area,
-            density=RHO_A / area,
-            poisson=0.3,
             staticFriction=a["staticFriction"],
             kineticFriction=a["kineticFriction"],
             transitionVelocity=a.get("transitionVelocity", TRANSITION_VELOCITY),

@@ -19,6 +19,7 @@ from tqdm import tqdm
 
 import ancf
 import ball_capture as given
+from ancf.capture import Capture
 from yade import O, Vector3, utils
 
 # ---- parameters, SI units; those of the net and its bullets are ball_capture's -------------------
@@ -29,10 +30,10 @@ BEFORE, COMPARED = (
     0.6,
     1.4,
 )  # models are compared up to these times: before contact, and the study's [s]
-RUNS = 8  # perturbed runs a case, besides the unperturbed one
+RUNS = 4  # perturbed runs a case, besides the unperturbed one
 NUDGE = 1e-6  # relative, of the bullets' velocities; of the target's place in its size
 RESERVE = 0.8  # of the stable step
-PICTURES = (0.30, 0.70, 1.00, 1.40)  # times [s]
+PICTURES = given.STRIP_TIMES  # [s]
 PER_EDGE = 24  # places on each cable at which its penetration is looked at
 
 TARGETS = ("ball", "cube")
@@ -63,8 +64,7 @@ def build(target, model, nudge=0, integrator="leapfrog", gap=None):
     a, rng = given.ASSUMED, np.random.default_rng(nudge)
     small = NUDGE if nudge else 0.0
     O.reset()
-    O.materials.append(given.material("cable", given.YOUNG, given.POISSON, a["density"]))
-    O.materials.append(given.material("target", a["ballYoung"], a["ballPoisson"], 2700))
+    given.appendMaterials("target")
     size = given.BALL_RADIUS if target == "ball" else 0.5 * CUBE_EDGE
     y, z = small * size * rng.normal(size=2)
     center = Vector3(given.TARGET_DISTANCE if gap is None else gap, y, z)
@@ -140,14 +140,14 @@ class Run:
         self.nodes, self.edges = net.nodeCount, len(net.spans)
         self.dof = unknowns(net)
         self.stable, self.step = net.criticalTimeStep(), O.dt
-        history, self.penetration, self.contacts, self.frames = History(net), [], [], []
+        history, self.capture = History(net), Capture(net, number)
+        self.penetration, self.frames = [], []
         perElement = PER_EDGE * len(net.spans) // net.elementCount
         steps, every = int(np.ceil(duration / O.dt)), max(1, round(SAMPLE / O.dt))
         ahead, wall = list(pictures), 0.0
-        momentum = np.array(net.engine.momentum()[0])
         while True:
             history.sample()
-            self.contacts.append(net.engine.contacts)
+            self.capture.sample()
             self.penetration.append(depth(net.curve(perElement), body, net.radius).max())
             while ahead and O.time >= ahead[0] - 0.5 * SAMPLE:
                 self.frames.append(Frame([net], [number]))
@@ -159,14 +159,11 @@ class Run:
                 O.step()
             wall += time.process_time() - start
         self.wall, self.microseconds = wall, 1e6 * wall / O.iter
-        self.time, self.area = np.array(history.time), np.array(history.area)
+        self.time = np.array(history.time)
         self.displacement, self.speed = history.displacement, history.speed
-        # Nothing else acts on the net.
-        self.impulse = np.linalg.norm(np.array(net.engine.momentum()[0]) - momentum)
+        self.row, self.share = self.capture.row(), self.capture.share
+        del self.capture  # belongs to the scene, and stays in its process
         self.pointPenetration = net.engine.maxPenetration
-        center = body.state.pos[0]
-        self.behind = sum(p[0] > center for p in history.position[-1])
-        self.mouth = self.area[-1] / self.area.max()
         self.diameter = 2 * net.radius
 
     @property
@@ -175,34 +172,21 @@ class Run:
         return max(0.0, max(self.penetration)) / self.diameter
 
     @property
-    def firstContact(self):
-        """Time of the first contact, within a sample [s], or nan."""
-        touching = np.flatnonzero(self.contacts)
-        return self.time[touching[0]] if len(touching) else np.nan
-
-    @property
-    def closed(self):
-        """All bullets beyond the centre and the mouth below a quarter of its largest."""
-        return self.behind == 4 and self.mouth < 0.25
-
-    @property
-    def wrapped(self):
-        """Closed, and no contact point deeper than a diameter, as ball_capture has it."""
-        return self.closed and self.pointPenetration < self.diameter
+    def embraced(self):
+        """As ball_capture has it: for HOLD, and no contact point deeper than a diameter."""
+        return self.row["embraced_from_s"] is not None and self.pointPenetration < self.diameter
 
     @property
     def whole(self):
-        """Wrapped, and the true curve never deeper than a diameter either."""
-        return self.wrapped and self.deepest < 1
+        """Embraced, and the true curve never deeper than a diameter either."""
+        return self.embraced and self.deepest < 1
 
     @property
     def why(self):
-        """Why it is not wrapped, or why not whole."""
+        """Why it did not embrace its target, or why not whole."""
         reasons = []
-        if self.behind < 4:
-            reasons.append(f"{self.behind} of 4 bullets behind")
-        if self.mouth >= 0.25:
-            reasons.append(f"mouth {100 * self.mouth:.0f} %")
+        if not self.embraced:
+            reasons.append(f"not embraced for {given.HOLD} s")
         if self.deepest >= 1:
             reasons.append(f"true curve {self.deepest:.2f} diameters deep")
         return ", ".join(reasons)
@@ -216,13 +200,20 @@ def unknowns(net):
     return 3 * (engine.nNodes + slopes)
 
 
-def makeRun(job):
-    for again in range(3):
+def insist(make, job):
+    """make(*job, smaller=...) with half the step, and a quarter ..., if the engine refuses one that has become too
+    long.
+    """
+    for again in range(4):
         try:
-            return Run(*job, smaller=0.5**again)
-        except RuntimeError as told:  # the engine refuses a step that has become too long
-            print(f"{job[:3]}: {told}; again with half the step", flush=True)
-    raise RuntimeError(f"{job[:3]}: no step is short enough")
+            return make(*job, smaller=0.5**again)
+        except RuntimeError as told:
+            print(f"{job}: {told}; again with half the step", flush=True)
+    raise RuntimeError(f"{job}: no step is short enough")
+
+
+def makeRun(job):
+    return insist(Run, job)
 
 
 def runAll(make, jobs, workers, title):
@@ -250,42 +241,54 @@ def stepTime(model, integrator, steps=2000):
 
 
 def spread(values, digits):
-    """Mean and standard deviation, as text."""
+    """Mean and standard deviation of those that are there, as text."""
+    values = np.array([x for x in values if x is not None])
+    if not len(values):
+        return "-"
     one = f"{values.mean():.{digits}f}"
     return f"{one} ± {values.std():.{digits}f}" if len(values) > 1 else one
 
 
+def of(runs, name, factor=1.0):
+    """A measure of all runs, None where it is none."""
+    return [None if r.row[name] is None else factor * r.row[name] for r in runs]
+
+
 def table(runs, folder):
-    """Writes table.csv (what a model costs) and captures.csv (how each case ended); runs: {(target,
-    model): [Run, ...]}.
+    """Writes table.csv (what a model costs), stages.csv (when each case did what) and captures.csv (what came
+    of it); runs: {(target, model): [Run, ...]}.
     """
-    cost, ends = {}, []
+    cost, stages, ends = {}, [], []
+    flat = 100 / (given.MESHES * given.MESH_LENGTH) ** 2
     for (target, model), all_ in runs.items():
-        first = all_[0]
         if model not in cost:
-            free = [f"{stepTime(model, i):.1f}" for i in ("leapfrog", "rk4")]
-            sizes = [
+            cost[model] = costs(model, all_)
+        count = len(all_)
+        stages.append(
+            [
+                target,
                 model,
-                first.nodes,
-                first.dof,
-                f"{first.stable:.2e}",
-                f"{max(r.step for r in all_):.2e}",
+                spread(of(all_, "open_s"), 2),
+                spread(of(all_, "mouth_open_m2", flat), 0),
+                spread(of(all_, "contact_s"), 2),
+                spread(of(all_, "embraced_from_s"), 2),
+                spread(of(all_, "embraced_until_s"), 2),
+                spread(of(all_, "mouth_tightest", 100), 0),
+                spread(of(all_, "enclosed_most", 100), 0),
+                f"{sum(r.embraced for r in all_)} of {count}",
             ]
-            whole = [f"{first.microseconds:.1f}", f"{np.median([r.wall for r in all_]):.1f}"]
-            cost[model] = [*sizes, *free, *whole]
-        deep, impulse = (np.array([getattr(r, k) for r in all_]) for k in ("deepest", "impulse"))
+        )
         reasons = sorted({r.why for r in all_} - {""})
         ends.append(
             [
                 target,
                 model,
-                f"{first.firstContact:.2f}",
-                spread(deep, 2),
-                spread(impulse, 3),
-                f"{max(r.pointPenetration for r in all_) / first.diameter:.2f}",
-                f"{100 * np.mean([r.mouth for r in all_]):.0f}",
-                f"{sum(r.wrapped for r in all_)} of {len(all_)}",
-                f"{sum(r.whole for r in all_)} of {len(all_)}",
+                spread([r.deepest for r in all_], 2),
+                f"{max(r.pointPenetration for r in all_) / all_[0].diameter:.2f}",
+                spread(of(all_, "momentum_end_Ns"), 3),
+                spread(of(all_, "tension_most_N"), 1),
+                spread(of(all_, "quality_best"), 2),
+                f"{sum(r.whole for r in all_)} of {count}",
                 "; ".join(reasons[:2]) + ("; ..." if len(reasons) > 2 else ""),
             ]
         )
@@ -295,11 +298,30 @@ def table(runs, folder):
     ).split(",")
     writeTable(folder / "table.csv", head, list(cost.values()))
     head = (
-        "target,model,first contact [s],true curve [diameters],impulse on the target [N s],"
-        "contact points [diameters],mouth [%],"
-        "wrapped,wrapped by true curve,why not"
+        "target,model,open [s],mouth then [% of flat],first contact [s],embraced from [s],until [s],"
+        "mouth at the tightest [%],enclosed at most [%],embraced"
+    ).split(",")
+    writeTable(folder / "stages.csv", head, stages)
+    head = (
+        "target,model,true curve [diameters],contact points [diameters],impulse on the target [N s],"
+        "largest tension [N],quality index at best,embraced by true curve,why not"
     ).split(",")
     writeTable(folder / "captures.csv", head, ends)
+
+
+def costs(model, runs):
+    """Row of table.csv."""
+    first = runs[0]
+    sizes = [
+        model,
+        first.nodes,
+        first.dof,
+        f"{first.stable:.2e}",
+        f"{max(r.step for r in runs):.2e}",
+    ]
+    free = [f"{stepTime(model, i):.1f}" for i in ("leapfrog", "rk4")]
+    whole = [f"{first.microseconds:.1f}", f"{np.median([r.wall for r in runs]):.1f}"]
+    return [*sizes, *free, *whole]
 
 
 def writeTable(file, head, rows):
@@ -379,7 +401,7 @@ def plotBullet(runs, target, file):
                 run.time, reference.time, reference.displacement[:, 0]
             )
             axes[2].plot(run.time, 100 * gap, color=color, lw=0.7, alpha=0.6)
-        axes[0].axvline(all_[0].firstContact, color=color, lw=0.6, ls=":")
+        axes[0].axvline(all_[0].row["contact_s"] or np.nan, color=color, lw=0.6, ls=":")
     axes[0].set_ylabel("displacement of bullet 1 [m]")
     axes[1].set_ylabel("speed of bullet 1 [m/s]")
     axes[2].set_ylabel(f"displacement less that of {models[-1]}, unperturbed [cm]")
@@ -497,7 +519,7 @@ def main():
         study(args.out, args.runs, args.workers, args.time, TARGETS, MODELS)
     if not args.captures:
         here = pathlib.Path(__file__).resolve().parent
-        for script in ("contact_laws", "deployment", "chains"):
+        for script in ("contact_laws", "deployment", "recoil", "chains"):
             command = [sys.executable, str(here / f"{script}.py"), "--out", str(args.out)]
             print(f"\n{script}.py", flush=True)
             subprocess.run(command + (["--quick"] if args.quick else []), check=True)

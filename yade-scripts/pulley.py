@@ -36,13 +36,12 @@ DURATION = 0.5  # [s]
 def build():
     """The scene; (cable, sheave id, SheaveEngine, ids of the weights)."""
     O.reset()
-    area = math.pi * DIAMETER**2 / 4
     O.materials.append(
-        ancf.HollarsMat(
+        ancf.ropeMaterial(
+            DIAMETER,
+            EA,
+            RHO_A,
             label="cable",
-            young=EA / area,
-            density=RHO_A / area,
-            poisson=0.3,
             staticFriction=MU_STATIC,
             kineticFriction=MU_KINETIC,
             transitionVelocity=TRANSITION_VELOCITY,

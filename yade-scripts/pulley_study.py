@@ -44,13 +44,12 @@ BASE = dict(
 def scene(load, profile, theta, elementAngle, points, **p):
     """A cable on a sheave, knot 0 pulled by `load` [N]; (cable, sheave id, direction at the end)."""
     O.reset()
-    area = math.pi * DIAMETER**2 / 4
     O.materials.append(
-        ancf.HollarsMat(
+        ancf.ropeMaterial(
+            DIAMETER,
+            p["ea"],
+            p["rhoA"],
             label="cable",
-            young=p["ea"] / area,
-            density=p["rhoA"] / area,
-            poisson=0.3,
             staticFriction=p["muStatic"],
             kineticFriction=p["muKinetic"],
             transitionVelocity=p["v0"],

@@ -12,6 +12,7 @@
 extern "C" {
 #include "ancf/balance.h"
 #include "ancf/equilibrium.h"
+#include "ancf/mass.h"
 #include "ancf/tension.h"
 }
 
@@ -129,6 +130,17 @@ Vector3r CableEngine::reaction(int node) {
     Vector3r force;
     ancf_reaction(force.data(), model.get(), node);
     return force;
+}
+
+Vector3r CableEngine::placeOfNode(int node) const { return nodeOf(position.data(), getStride(), tied(node)); }
+
+Real CableEngine::mobilityOfNode(int node) {
+    node = tied(node);
+    if (!model) build();
+    vector<Real> force(position.size(), 0), answer(position.size(), 0);
+    force[node] = 1;
+    ancf_mass_solve(model.get(), answer.data(), force.data());
+    return answer[node];
 }
 
 py::dict CableEngine::energy(int first, int last) {

@@ -211,16 +211,22 @@ void CableEngine::noteWorked() {
         const int node = followNodes[i];
         const Vector3r before = nodeOf(m->v, m->stride, node);
         if (before != Vector3r::Zero() || nodeOf(m->held, m->stride, node) != Vector3r::Zero())
-            worked.push_back({node, -1, before});
+            worked.push_back({node, LED, before, Vector3r::Zero()});
     }
     for (size_t i = 0; i < carryNodes.size(); ++i)
         if (carriedForce[i] != Vector3r::Zero() && carrierOf(carryIds[i]) >= 0)
-            worked.push_back({carryNodes[i], static_cast<int>(i), nodeOf(m->v, m->stride, carryNodes[i])});
+            worked.push_back(
+                {carryNodes[i], static_cast<int>(i), nodeOf(m->v, m->stride, carryNodes[i]), Vector3r::Zero()});
+    for (const Pulls& one : pulls)
+        for (const auto& [node, force] : one.forces)
+            if (const Vector3r now = pullOn(node, force); now != Vector3r::Zero())
+                worked.push_back({node, PULLED, nodeOf(m->v, m->stride, node), now});
     if (!worked.empty() && integrator != "leapfrog") balanceGoesOn = false; // their work is not known
 }
 
 Vector3r CableEngine::forceOf(const Worked& one) const {
-    if (one.carried >= 0) return carriedForce[one.carried];
+    if (one.by >= 0) return carriedForce[one.by];
+    if (one.by == PULLED) return one.pulling;
     Vector3r force;
     ancf_reaction(force.data(), model.get(), one.node);
     return force;
@@ -232,7 +238,12 @@ void CableEngine::bookWorked(const ancf_time& time) {
     for (const Worked& one : worked) {
         const Vector3r after = nodeOf(m->v, m->stride, one.node);
         balance[OUTER] += forceOf(one).dot(time.last * one.before + time.step * after) / 2;
-        if (one.carried >= 0 || !touching.displacement()) continue;
+        const Real* shift = touching.displacement();
+        if (!shift) continue;
+        if (one.by != LED) {
+            balance[OUTER] += forceOf(one).dot(nodeOf(shift, m->stride, one.node));
+            continue;
+        }
         Vector3r impulse; // of contacts, that what leads the node takes
         touching.impulseOn(impulse, one.node);
         balance[OUTER] -= impulse.dot(one.before + after) / 2;

@@ -114,6 +114,8 @@ bool CableCheck::mayMeet(const Body& body) const {
 
 void CableCheck::checkSolid(const Body& body) const {
     const Shape& shape = *body.shape;
+    if (shape.getClassName() == "Subdomain")
+        cable.refuse("yade.mpy spreads this scene over processes: call ancf.mpi.spread() before mpy.mpirun()");
     if (!isSolid(shape))
         cable.refuse(text(nameOf(body),
                           " can meet cables, which do not touch such a shape: keep it from them by groupMask, or build "

@@ -71,9 +71,11 @@ class CableEngine : public GlobalEngine {
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
-    struct Worked {                                  // a node that something does work on in a step
-        int node, carried; // number in carryNodes if that is a force on the body there, or -1: what leads it
-        Vector3r before;   // its velocity [m/s]
+    enum { LED = -1, PULLED = -2 };
+    struct Worked {       // a node that something does work on in a step
+        int node, by;     // number in carryNodes if that is a force on the body there, or LED, or PULLED
+        Vector3r before;  // its velocity [m/s]
+        Vector3r pulling; // if PULLED [N]
     };
     vector<Worked> worked;
     struct Fastened {    // a node on a body off its centre
@@ -81,6 +83,13 @@ class CableEngine : public GlobalEngine {
         Vector3r before; // its velocity [m/s]
     };
     vector<Fastened> fastened;
+    struct Pulls { // what another engine exerts on nodes in one step
+        const Engine* by;
+        long iter;
+        vector<std::pair<int, Vector3r>> forces; // [N]
+    };
+    vector<Pulls> pulls;
+    int pullKick = 1; // how many times their force those on free nodes have in this sub-step
     bool balanced = false, balanceGoesOn = false; // sums are those of this model; and what they began with
     bool pairsChecked = false, partnersChecked = false;
     struct Looked {
@@ -166,6 +175,9 @@ class CableEngine : public GlobalEngine {
     void findForces();
     void holdNodes();
     void gatherForces();
+    bool gatherPulls();
+    void kickPulls(int k, int inside);
+    Vector3r pullOn(int node, const Vector3r& force) const;
     void gatherOnElements();
     void scatter();
     void startAfresh();
@@ -202,6 +214,13 @@ public:
 
     ~CableEngine() override { dropModel(); }
     void action() override;
+
+    // For engines that pull on nodes: where one is, the speed that an impulse of 1 N s gives it [m/s], and forces for
+    // the step of an iteration, which take the place of what the same engine gave before.
+    Vector3r placeOfNode(int node) const;
+    Real mobilityOfNode(int node);
+    void pull(const Engine* by, long iter, vector<std::pair<int, Vector3r>>&& forces);
+
     void updateAttributes(const py::dict& attributes);
     void preSave(CableEngine&);
     void postSave(CableEngine&);

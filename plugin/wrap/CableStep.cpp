@@ -165,11 +165,42 @@ void CableEngine::gatherOnElements() {
     }
 }
 
+void CableEngine::pull(const Engine* by, long iter, vector<std::pair<int, Vector3r>>&& forces) {
+    const auto old = [&](const Pulls& one) { return one.by == by || one.iter != iter; };
+    pulls.erase(std::remove_if(pulls.begin(), pulls.end(), old), pulls.end());
+    pulls.push_back({by, iter, std::move(forces)});
+}
+
+// False if there are none.
+bool CableEngine::gatherPulls() {
+    const auto old = [&](const Pulls& one) { return one.iter != scene->iter; };
+    pulls.erase(std::remove_if(pulls.begin(), pulls.end(), old), pulls.end());
+    pullKick = 1;
+    for (const Pulls& one : pulls)
+        for (const auto& [node, force] : one.forces) addNode(model->external, model->stride, node, force);
+    return !pulls.empty();
+}
+
+// In sub-steps all of a pull on a free node is a kick in the first, where the node is where it was found, as with
+// contacts: so angular momentum survives.
+void CableEngine::kickPulls(int k, int inside) {
+    const int kick = k == 0 ? inside : 0, more = kick - pullKick;
+    pullKick = kick;
+    if (more == 0) return;
+    for (const Pulls& one : pulls)
+        for (const auto& [node, force] : one.forces)
+            if (!model->hold[node]) addNode(model->external, model->stride, node, more * force);
+}
+
+Vector3r CableEngine::pullOn(int node, const Vector3r& force) const {
+    return model->hold[node] ? force : Vector3r(pullKick * force);
+}
+
 // Loads on nodes, and what acts on carried bodies by others' engines and laws.
 void CableEngine::gatherForces() {
     const bool forces = anyForces(*scene);
     if (loaded) std::fill_n(model->external, position.size(), 0);
-    loaded = !loadNodes.empty() || forces;
+    loaded = gatherPulls() || !loadNodes.empty() || forces;
     model->unloaded = !loaded;
     for (size_t i = 0; i < loadNodes.size(); ++i) addNode(model->external, model->stride, loadNodes[i], loads[i]);
     if (!forces) {
@@ -210,6 +241,7 @@ void CableEngine::stepExplicit(int inside) {
     noteFastened();
     for (int k = 0; k < inside; ++k) {
         const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
+        kickPulls(k, inside);
         if (!alone) ancf_predict(model.get(), &time);
         clock.passed(StepClock::ELASTIC);
         noteWorked();

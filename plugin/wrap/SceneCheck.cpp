@@ -288,14 +288,19 @@ void SceneCheck::functors() const {
     struct Kind {
         const Body* body;
         int number;
+        bool oneClump; // all of them are members of the same, and never meet
     };
     std::map<std::tuple<string, string, mask_t, bool>, Kind> kindOf;
     for (const auto& body : *scene.bodies) {
         if (!body->shape || body->isClump()) continue;
+        if (body->shape->getClassName() == "Subdomain") continue; // a box of yade.mpy, which nothing touches
         const bool moves = CableElement::of(*body) || body->isDynamic();
         const string material = body->material ? body->material->getClassName() : "";
-        ++kindOf.insert({{body->shape->getClassName(), material, body->groupMask, moves}, {body.get(), 0}})
-              .first->second.number;
+        Kind& kind =
+            kindOf.insert({{body->shape->getClassName(), material, body->groupMask, moves}, {body.get(), 0, true}})
+                .first->second;
+        ++kind.number;
+        kind.oneClump = kind.oneClump && body->isClumpMember() && body->clumpId == kind.body->clumpId;
     }
     vector<Kind> kinds;
     for (const auto& [key, kind] : kindOf) kinds.push_back(kind);
@@ -311,9 +316,13 @@ void SceneCheck::functors() const {
             refuse(text(fullName(body), ": the collider has no Bo1 functor for a ", body.shape->getClassName(),
                         "; add Bo1_", body.shape->getClassName(), "_Aabb()"));
     }
+    const auto together = [](const Kind& a, const Kind& b) {
+        return a.oneClump && b.oneClump && a.body->clumpId == b.body->clumpId;
+    };
     for (size_t i = 0; loop && i < kinds.size(); ++i)
         for (size_t j = i; j < kinds.size(); ++j)
-            if ((i != j || kinds[i].number > 1) && canMeet(*kinds[i].body, *kinds[j].body))
+            if ((i != j || kinds[i].number > 1) && !together(kinds[i], kinds[j]) &&
+                canMeet(*kinds[i].body, *kinds[j].body))
                 pair(*loop, *kinds[i].body, *kinds[j].body);
     if (!loop) return;
     for (const auto& functor : loop->lawDispatcher->functors) {

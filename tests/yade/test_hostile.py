@@ -57,7 +57,14 @@ def build():
     turning.add(sheave, viscous=1e-3, dry=1e-4, torque=1e-3)
     guide.add(slider, (1, 0, 0), friction=0.1, lower=-1, upper=1)
     assert (over, carried, leader, sheave, slider) == (BALL, CARRIED, LEADER, SHEAVE, SLIDER)
-    O.engines = pulleys.engines(first, second, turning, guide, gravity=(0, 0, -1))
+    line = ancf.Line(
+        [(first, 0), (second, 1), (carried, (0, 0, 0.01))],
+        diameter=1e-3,
+        material="cable",
+        friction=0.1,
+        tension=0.01,
+    )
+    O.engines = pulleys.engines(first, second, line, turning, guide, gravity=(0, 0, -1))
     O.dt *= 0.5
     steps(3)
     engine = first.engine
@@ -83,7 +90,7 @@ def state():
 
 def read():
     """Everything that reads the engines' lists."""
-    engine, turning, guide = (the(k) for k in ("CableEngine", "SheaveEngine", "GuideEngine"))
+    engine, turning, guide = (the(k) for k in ("CableEngine", "LineEngine", "SheaveEngine", "GuideEngine"))
     for call in (
         lambda: [engine.tied(i) for i in range(6)],
         lambda: engine.elementsAt(1),
@@ -307,7 +314,7 @@ def short(value):
     return text if len(text) < 70 else text[:30] + " ... " + text[-30:]
 
 
-@pytest.mark.parametrize("kind", ["CableEngine", "SheaveEngine", "GuideEngine"])
+@pytest.mark.parametrize("kind", ["CableEngine", "LineEngine", "SheaveEngine", "GuideEngine"])
 @pytest.mark.parametrize("way", [byKeywords, byUpdate])
 def test_attributes(kind, way):
     bad, count = [], 0
@@ -344,7 +351,7 @@ def allRefused(calls, words):
 def test_attributes_set(theScene):
     """By themselves; the old value stays, and the scene goes on as if nothing had been."""
     bad = []
-    for kind in ("CableEngine", "SheaveEngine", "GuideEngine"):
+    for kind in ("CableEngine", "LineEngine", "SheaveEngine", "GuideEngine"):
         values = collections.defaultdict(list)
         for name, value in attributes(kind):
             later = isinstance(value, list) and 1e-300 in value  # with the whole element
@@ -521,7 +528,7 @@ def isCovered(call):
 def test_methods(theScene):
     """Refused by name, and the scene goes on as if nothing had been."""
     bad = []
-    for kind in ("CableEngine", "SheaveEngine", "GuideEngine"):
+    for kind in ("CableEngine", "LineEngine", "SheaveEngine", "GuideEngine"):
         calls = [
             lambda call=call: call(the(kind))
             for of, call in METHODS

@@ -25,6 +25,21 @@ def cable(**options):
     return ancf.Cable(LINE, elements, **{**given, **options})
 
 
+# ---- ropes of a catalogue ------------------------------------------------------------------------
+
+
+def test_rope_material(scene):
+    """A cable of it has the axial stiffness and the mass that were asked for; the rest is HollarsMat's."""
+    O.materials.append(ancf.ropeMaterial(2e-3, 5e3, 0.02, label="rope", poisson=0.2, dashpot=3.0))
+    c = cable(diameter=2e-3, material="rope")
+    c.append()
+    ea, ei, rhoA, _ = sectionOf(c)
+    assert (ea, rhoA) == pytest.approx((5e3, 0.02), rel=1e-14)
+    assert ei == pytest.approx(ea * 2e-3**2 / 16, rel=1e-14)  # of a full round
+    mat = O.materials["rope"]
+    assert (mat.poisson, mat.dashpot) == (0.2, 3.0)
+
+
 # ---- young and density -------------------------------------------------------------------------
 
 

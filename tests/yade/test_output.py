@@ -146,6 +146,14 @@ def test_progress(net):
     for _ in ancf.progress(100 * O.dt, 30 * O.dt):
         times.append(O.time - start)
     assert np.allclose(times, [n * O.dt for n in (30, 60, 90, 100)])
+    start, times = O.time, []  # parts that are no whole number of steps do not drift
+    for _ in ancf.progress(52 * O.dt, 10.4 * O.dt):
+        times.append(O.time - start)
+    assert np.allclose(times, [n * O.dt for n in (10, 21, 31, 42, 52)])
+    start, times = O.time, []  # nor is anything told twice where parts are shorter than a step
+    for _ in ancf.progress(3 * O.dt, 0.3 * O.dt):
+        times.append(O.time - start)
+    assert np.allclose(times, [n * O.dt for n in (1, 2, 3)])
     with pytest.raises(ValueError, match="progress: every = 0"):
         ancf.progress(1, 0)
 

@@ -310,6 +310,26 @@ TEXTS = [
         ValueError,
         r"O.bodies\[0\].state.vel = \(nan, .*must be finite",
     ),
+    (
+        lambda: ancf.ropeMaterial(0, 5e3, 0.02),
+        ValueError,
+        "ropeMaterial: diameter = 0: must be finite and above zero",
+    ),
+    (
+        lambda: ancf.ropeMaterial(1e-3, "x", 0.02),
+        TypeError,
+        "ropeMaterial: ea = 'x': must be a number",
+    ),
+    (
+        lambda: ancf.ropeMaterial(1e-3, 5e3, NAN),
+        ValueError,
+        r"ropeMaterial: rhoA = nan: must be finite and above zero \[kg/m\]",
+    ),
+    (
+        lambda: ancf.ropeMaterial(1e-3, 5e3, 0.02, young=1e9),
+        ValueError,
+        "ropeMaterial: young = 1000000000.0: follows from ea and rhoA",
+    ),
     # ---- pulleys
     (lambda: sheave(material=None), TypeError, "sheave: material = None: must be a HollarsMat"),
     (

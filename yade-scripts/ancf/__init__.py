@@ -11,6 +11,8 @@ globals().update(_load.classes)
 
 from ._built import VERSION as __version__  # noqa: E402
 from .cables import Cable  # noqa: E402
+from .lines import Line, lines  # noqa: E402
+from .materials import ropeMaterial  # noqa: E402
 from .nets import Net  # noqa: E402
 from .record import structures  # noqa: E402
 from .running import progress  # noqa: E402
@@ -19,11 +21,14 @@ from .scene import check, engines, plan, timeStep  # noqa: E402
 __all__ = [
     *_load.classes,
     "Cable",
+    "Line",
     "Net",
     "check",
     "engines",
+    "lines",
     "plan",
     "progress",
+    "ropeMaterial",
     "structures",
     "timeStep",
 ]

@@ -3,6 +3,7 @@
 import numpy as np
 
 from . import values
+from .arguments import documented
 from .laying import curveLength, subdivide, tangents
 from .stretch import ratios
 from .structure import Run, Structure, layEdges, layStraight, section
@@ -23,6 +24,7 @@ def divisions(name, model, elements, midPoints):
     return midPoints + 1
 
 
+@documented
 class Cable(Structure):
     """A cable along a polyline.
 
@@ -31,32 +33,8 @@ class Cable(Structure):
                      length, slack or tension is given it is as long as it lies: a straight or round
                      one starts without strain. Its ends have slopes of their own, free unless
                      clamped.
-    elements         ANCF elements per edge
-    diameter         [m]; gives area and bending stiffness E pi d^4/64
-    material         HollarsMat, or its label or id in O.materials
-    length           its unstressed length [m]; or
-    slack            by how much of the length as laid the unstressed one is longer [-], 0.02: 2 %;
-                     below 0: pre-strained; or
-    tension          that it has as laid [N]. A slack cable of ANCF elements starts compressed:
-                     relax() lets it hang; springs go slack without force
-    model            'ancf', or 'springs': tension-only springs, midPoints + 1 per edge, mass
-                     lumped, no bending
-    contact          'curve': it touches where its true curve is nearest, at one place in each
-                     segment; 'points': at fixed points, by spheres of its thickness, as in the
-                     study (Fig. 5), between which small things pass
-    contactPoints    inside each element, evenly: they divide it into contactPoints + 1 segments
-                     (springs: one); 0: the cable touches nothing, whatever contact= says
-    damping          Kelvin-Voigt time [s]
-    area, bending    [m2], EI [N m2] instead of those of the diameter
-    mass             'consistent' or 'lumped'
-    axialRule        'exact', or 'reduced' (3 Gauss points: softer in bending-dominated cables)
-    curvature        'fast' (|r''|) or 'exact' (|r' x r''|/|r'|^2)
-    selfContact      whether it touches itself; other cables and nets it always touches
     closed           the last point joins the first (belts)
-    mask             groupMask of its bodies
-    label            its name in messages
-
-    Raises ValueError, TypeError or IndexError that names the attribute.
+    {arguments}
     """
 
     def __init__(

@@ -4,6 +4,7 @@ import numpy as np
 from yade import O, Vector3, utils
 
 from . import values
+from .arguments import documented
 from .cables import divisions
 from .laying import unit
 from .stretch import ratios
@@ -12,19 +13,16 @@ from .structure import Run, Structure, _inContainer, anyMaterial, layStraight, s
 BULLET = "carrying a bullet"
 
 
+@documented
 class Net(Structure):
     """A net of knots and edges; every edge starts straight, and without strain unless length, slack
-    or tension is given.
+    or tension is given: a number, or one for each of `edges`. Edges have slopes of their own at the
+    knots, which pass on forces, not moments.
 
     points           (K, 3) [m], the knots
     edges            pairs of knot numbers
     rim              knot numbers around the mouth, in order; needed by mouthArea
-    length, slack, tension
-                     as for Cable, of each edge: a number, or one for each of `edges`
-    Other arguments as for Cable. Edges have slopes of their own at the knots, which pass on forces,
-    not moments.
-
-    Raises ValueError, TypeError or IndexError that names the attribute.
+    {arguments}
     """
 
     def __init__(
@@ -153,8 +151,7 @@ class Net(Structure):
             raise ValueError(
                 f"{self.name}.rim = {self.rim}: name the knots around the mouth, in order"
             )
-        p = self.knots[rim]
-        area = 0.5 * np.cross(p, np.roll(p, -1, axis=0)).sum(axis=0)
+        area = areaVector(self.knots[rim])
         if axis is None:
             return float(np.linalg.norm(area))
         return float(abs(area @ values.direction(f"{self.name}.mouthArea: axis", axis)))
@@ -234,6 +231,12 @@ class Net(Structure):
             return self._normal
         p = self.knots[self.corners]
         return unit(np.cross(p[1] - p[0], p[2] - p[1]))
+
+
+def areaVector(p):
+    """Area vector of a closed polygon with corners p (n, 3), sum of p_i x p_(i+1) / 2 (3) [m2]."""
+    products = p.T @ np.concatenate([p[1:], p[:1]])
+    return 0.5 * (products - products.T)[[1, 2, 0], [2, 0, 1]]
 
 
 def _checkedEdges(name, edges, p):

@@ -14,6 +14,7 @@ from yade import O, Quaternion, Vector3, wrapper
 from . import scene, stretch, values
 from .cables import Cable
 from .laying import curveLength
+from .lines import Line
 from .structure import MASK, Structure, anyMaterial, findBody
 
 DEEPEST_START = 0.5  # of a cable in a sheave, in radii of the cable; more is refused
@@ -387,23 +388,25 @@ def lay(path, elements, *, length=None, slack=None, tension=None, **cable):
 
 
 def engines(*parts, **options):
-    """As ancf.engines, with sheaves: `parts` are cables, nets, SheaveEngines and GuideEngines.
+    """As ancf.engines, with sheaves: `parts` are cables, nets, lines, SheaveEngines and
+    GuideEngines.
 
     Raises ValueError for a cable that starts inside a sheave or does not fit its groove; warns of
     elements or contact points that are too coarse for an arc.
     """
     structures = [p for p in parts if isinstance(p, Structure)]
+    lines = [p for p in parts if isinstance(p, Line)]
     drives = [p for p in parts if isinstance(p, (wrapper.SheaveEngine, wrapper.GuideEngine))]
     for i, part in enumerate(parts):
-        if part not in structures and part not in drives:
+        if all(part not in known for known in (structures, lines, drives)):
             values.refuse(
                 f"engines: argument {i}",
                 part,
-                "must be a Cable, a Net, a SheaveEngine or a GuideEngine",
+                "must be a Cable, a Net, a Line, a SheaveEngine or a GuideEngine",
                 TypeError,
             )
     check(*structures)
-    made = scene.engines(*structures, **options)
+    made = scene.engines(*structures, *lines, **options)
     for engine in made:
         if isinstance(engine, wrapper.InsertionSortCollider):
             bounds = engine.boundDispatcher.functors

@@ -1,5 +1,7 @@
 """Runs a scene, and tells how far it is."""
 
+import math
+
 from yade import O
 
 from . import values
@@ -23,14 +25,15 @@ def _steps(duration, every, title):
     from tqdm import tqdm  # only where something is shown
 
     form = "{desc} {percentage:3.0f}% |{bar}| {n:.3g} of {total:.3g} s simulated, {remaining} left"
-    start, end = O.time, O.time + duration
+    start = O.time
     with tqdm(
         total=duration, desc=title, leave=False, bar_format=form, mininterval=0.3, disable=None
     ) as bar:
-        while O.time < end - 0.5 * O.dt:
-            stop = min(O.time + every, end) - 0.5 * O.dt
-            O.step()
-            while O.time < stop:
+        for k in range(1, math.ceil(duration / every * (1 - 1e-12)) + 1):
+            stop = start + min(k * every, duration)
+            if O.time >= stop - 0.5 * O.dt:
+                continue  # `every` is shorter than a step
+            while O.time < stop - 0.5 * O.dt:
                 O.step()
             bar.update(min(O.time - start, duration) - bar.n)
             yield

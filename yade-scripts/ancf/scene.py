@@ -7,6 +7,7 @@ import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
+from .lines import Line, lineEngines
 from .structure import ELEMENTS, LUMPED, Structure, cableEngines, matrix
 
 LAW_OPTIONS = {
@@ -36,7 +37,8 @@ def engines(
 ):
     """The complete list for O.engines, and sets O.dt.
 
-    structures   cables and nets; those not appended yet are appended to one engine
+    structures   cables, nets and lines; those not appended yet are appended, cables and nets to one
+                 engine
     gravity      [m/s2]
     integrator   'leapfrog'; 'implicit' for smooth cables that touch nothing (contactPoints=0): O.dt
                  is then a matter of accuracy and set to 1 ms; 'rk4' is a reference; 'auto' takes
@@ -57,10 +59,11 @@ def engines(
     scene that cannot work.
     """
     for i, structure in enumerate(structures):
-        if not isinstance(structure, Structure):
-            values.refuse(
-                f"engines: argument {i}", structure, "must be a Cable or a Net", TypeError
-            )
+        if not isinstance(structure, (Structure, Line)):
+            remedy = "must be a Cable, a Net or a Line"
+            values.refuse(f"engines: argument {i}", structure, remedy, TypeError)
+    lines = [s for s in structures if isinstance(s, Line)]
+    structures = [s for s in structures if isinstance(s, Structure)]
     if not structures:
         raise ValueError("engines(): give at least one Cable or Net")
     gravity = values.vector("engines: gravity", gravity)
@@ -88,9 +91,12 @@ def engines(
     for structure in structures:
         if getattr(structure, "folded", False) and O.iter == 0:
             _checkFolded(structure)
+    for line in lines:
+        if not line.appended:
+            line.append()
     hollars = wrapper.Law2_ScGeom_HollarsPhys_Hollars(**law)
     speed = fastest() if speed is None else speed
-    O.dt = timeStep(cable, speed, hollars)
+    O.dt = timeStep(cable, speed, hollars, [line.engine for line in lines])
     return [
         wrapper.ForceResetter(),
         wrapper.InsertionSortCollider(
@@ -114,6 +120,7 @@ def engines(
                 wrapper.Law2_ScGeom_FrictPhys_CundallStrack(),
             ],
         ),
+        *(line.engine for line in lines),
         *cable,
         _newton(gravity),
     ]
@@ -222,16 +229,16 @@ def fastest():
     return max(speeds)
 
 
-def timeStep(engines=None, speed=None, law=None):
-    """The step for O.dt [s]: what the cables allow, in the sub-steps they are told to take, what
-    contacts of HollarsMat between other bodies allow that meet at a speed [m/s], and half the time
+def timeStep(engines=None, speed=None, law=None, lines=None):
+    """The step for O.dt [s]: what the cables and lines allow, in the sub-steps they are told to take,
+    what contacts of HollarsMat between other bodies allow that meet at a speed [m/s], and half the time
     that a sound wave takes through the smallest grain of another FrictMat (half of
     utils.PWaveTimeStep). Contacts of cables take sub-steps of their own inside it.
 
     Infinite if there are neither cables nor bodies that can meet.
 
-    engines: CableEngines, None: all in O.engines. law: a Law2_ScGeom_HollarsPhys_Hollars, None: that
-    in O.engines.
+    engines: CableEngines, lines: LineEngines, None: all in O.engines. law: a
+    Law2_ScGeom_HollarsPhys_Hollars, None: that in O.engines.
     """
     engines = cableEngines() if engines is None else engines
     for i, engine in enumerate(values.sequence("timeStep: engines", engines, "CableEngines")):
@@ -246,6 +253,10 @@ def timeStep(engines=None, speed=None, law=None):
         divides = engine.integrator == "leapfrog" and not engine.coupled
         inside = max(1, engine.substeps) if divides else 1
         steps.append(inside * engine.criticalTimeStep())
+    for line in lineEngines() if lines is None else lines:
+        own = line.criticalTimeStep(engines)
+        pulled = [e.criticalTimeStep() for e in engines if e.family in line.families]
+        steps.append(sum(1 / step**2 for step in [own, *pulled]) ** -0.5)  # frequencies add up
     return min(steps)
 
 

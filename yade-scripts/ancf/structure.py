@@ -899,9 +899,16 @@ class Structure:
         alone: friction does not hold anything, and what would slide away has no equilibrium.
 
         tolerance: of the force on every free unknown, as part of the largest force. RuntimeError if
-        none is found, or if the cables press on a body that may move.
+        none is found, if the cables press on a body that may move, or if a line pulls at them: append
+        it afterwards.
         """
         engine = self._needEngine("relax")
+        for line in O.engines:
+            if isinstance(line, wrapper.LineEngine) and engine.family in line.families:
+                raise RuntimeError(
+                    f"{self.name}.relax: the line {line.name!r} pulls at it, which relax() does not know: "
+                    "append the line after relax()"
+                )
         tolerance = values.positive(f"{self.name}.relax: tolerance", tolerance, "-")
         iterations = values.count(f"{self.name}.relax: iterations", iterations, 1, ITERATIONS_MOST)
         engine.relax(tolerance, iterations)

@@ -17,6 +17,7 @@ from .references import reference
 OPENING = (
     0.1  # time that the folded net has to open [s]; later, waves that cables reflect are chaotic
 )
+FOLD = 0.65  # of the opening net: size as part of the flat one
 SPEED, MEETING = 1.5, 0.08  # of the flat net [m/s], time of its run [s]
 GAP = 0.02  # between net and ball at the start [m]
 ASIDE = (0.013, 0.007)  # of the ball's centre from the net's axis [m]
@@ -70,7 +71,7 @@ def ball(material):
 
 def opening(n, mass, part, model="ancf"):
     materials()
-    made = net(n, mass, given.ASSUMED["fold"], model, touches=False)
+    made = net(n, mass, FOLD, model, touches=False)
     O.engines = ancf.engines(made)
     O.dt = part * made.criticalTimeStep()
     return made
@@ -161,7 +162,7 @@ def chainNet(kind, parts, fold):
 
 
 def openingChain(kind, parts):
-    return chainNet(kind, parts, given.ASSUMED["fold"])
+    return chainNet(kind, parts, FOLD)
 
 
 def meetingChain(kind, parts):

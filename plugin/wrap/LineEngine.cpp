@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "LineEngine.hpp"
+
+#include "Attributes.hpp"
+#include "CableEngine.hpp"
+#include "LateError.hpp"
+#include "Mobility.hpp"
+
+#include <core/Omega.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace yade {
+
+YADE_PLUGIN((LineEngine))
+
+namespace {
+    constexpr long lookInterval = 100; // steps between two looks at the step
+    constexpr Real safety = .9;        // of a step that would just be stable, as for cables
+    constexpr Real nearer = .25;       // part of their way to which rings without a size, or without friction, may come
+} // namespace
+
+void LineEngine::refuse(const string& why) const { throw std::runtime_error(text("LineEngine '", name, "': ", why)); }
+
+string LineEngine::placeText(size_t i) const {
+    const string what =
+        families[i] < 0 ? text("body ", numbers[i]) : text("node ", numbers[i], " of CableEngine ", families[i]);
+    return text("place ", i, " (", what, ")");
+}
+
+Scene& LineEngine::theScene() const { return scene ? *scene : *Omega::instance().getScene(); }
+
+CableEngine& LineEngine::cable(size_t i) const {
+    CableEngine* found = CableEngine::of(theScene(), families[i]);
+    for (CableEngine* other : others)
+        if (!found && other->family == families[i]) found = other;
+    if (!found) refuse(placeText(i) + ": there is no such engine in O.engines: put it there, after this one");
+    return *found;
+}
+
+const Body& LineEngine::bodyAt(size_t i) const {
+    const Scene& s = theScene();
+    if (!s.bodies->exists(numbers[i])) refuse(placeText(i) + " was erased: take this engine out of O.engines as well");
+    return *(*s.bodies)[numbers[i]];
+}
+
+// ---------------------------------------------------------------- what attributes may be
+
+void LineEngine::checkLists() const {
+    const Attributes all("LineEngine");
+    const size_t n = numbers.size();
+    const string places = text("one for each of ", n, " places"), spans = "one for each span",
+                 ends = "one for each end";
+    all.need(n >= 2, "numbers", n, "those of two places at least");
+    all.size("families", families, n, places);
+    all.size("offsets", offsets, n, places);
+    all.size("friction", friction, n, places);
+    all.size("slides", slides, n, places);
+    all.size("flow", flow, n, places);
+    all.size("length", length, n - 1, spans);
+    all.size("tension", tension, n - 1, spans);
+    all.each("numbers", numbers, "a node or a body", [](int i) { return i >= 0; });
+    all.finiteEach("offsets", offsets);
+    all.finiteEach("flow", flow);
+    all.finiteEach("leftForce", leftForce);
+    all.finiteEach("leftTorque", leftTorque);
+    all.notNegative("friction", friction);
+    all.notNegative("tension", tension);
+    all.each("length", length, "finite and above 0 [m]", [](Real l) { return finite(l) && l > 0; });
+    all.need(finite(ea) && ea > 0, "ea", ea, "finite and above 0 [N]");
+    all.need(finite(ringRadius) && ringRadius >= 0, "ringRadius", ringRadius, "finite and not below 0 [m]");
+    all.need(finite(diameter) && diameter >= 0, "diameter", diameter, "finite and not below 0 [m]");
+    for (const auto& [what, list] :
+         {std::pair("speed", &speed), std::pair("force", &force), std::pair("brake", &brake), std::pair("stop", &stop)})
+        all.size(what, *list, 2, ends);
+    all.size("scripted", scripted, 2, ends);
+    all.within("scripted", scripted, 0, 2, "no or yes");
+    all.finiteEach("speed", speed);
+    all.notNegative("force", force);
+    all.notNegative("stop", stop);
+    all.each("brake", brake, "not below 0 [N]", [](Real b) { return b >= 0; });
+    for (size_t end = 0; end < 2; ++end)
+        all.need(force[end] <= brake[end], "force", force[end], text("at most the brake's, ", brake[end], " N"));
+    for (size_t i = 0; i < n; ++i) {
+        const bool ring = i > 0 && i + 1 < n;
+        all.need(slides[i] >= (ring ? -1 : 0) && slides[i] <= (ring ? 1 : 3), "slides", slides[i],
+                 ring ? "-1, 0 or 1 for a ring" : "0 to 3 for an end");
+    }
+    all.need(finite(rubbed), "rubbed", rubbed, "finite [J]");
+    all.need(finite(drawn), "drawn", drawn, "finite [J]");
+}
+
+void LineEngine::postLoad(LineEngine&) {
+    if (!numbers.empty()) checkLists();
+}
+
+// That places exist, and cables go by a step that knows forces at its start.
+void LineEngine::checkPlaces() const {
+    bool found = false;
+    for (const auto& engine : theScene().engines) {
+        found = found || engine.get() == this;
+        const auto* cables = dynamic_cast<const CableEngine*>(engine.get());
+        if (cables && !found && std::find(families.begin(), families.end(), cables->family) != families.end())
+            refuse(text("stands behind CableEngine ", cables->family, " in O.engines: put it before it"));
+    }
+    for (size_t i = 0; i < numbers.size(); ++i) {
+        if (families[i] < 0) {
+            bodyAt(i);
+            continue;
+        }
+        const CableEngine& cables = cable(i);
+        if (numbers[i] >= cables.nNodes) refuse(text(placeText(i), ": it has ", cables.nNodes, " nodes"));
+        if (cables.integrator != "leapfrog")
+            refuse(text("CableEngine ", families[i], ".integrator = '", cables.integrator,
+                        "' does not know lines: use 'leapfrog'"));
+    }
+    for (size_t end = 0; end < 2; ++end)
+        if (scripted[end] && !speeds.has(static_cast<int>(end)))
+            refuse(
+                text("end ", end, ": its speed, a Python function of time, is not saved with a scene: haul() again"));
+}
+
+// ---------------------------------------------------------------- one step
+
+// The physics' own arrays, with the attributes in them.
+void LineEngine::makeLine() {
+    const int spans = static_cast<int>(length.size());
+    if (!model || model->spans != spans) {
+        ancf_line* made = nullptr;
+        if (const ancf_error error = ancf_line_create(&made, spans, ea, ringRadius)) refuse(ancf_error_text(error));
+        model.reset(made);
+    }
+    model->ea = ea;
+    model->radius = ringRadius;
+    model->rubbed = rubbed;
+    model->drawn = drawn;
+    model->unsettled = unsettled;
+    std::copy(length.begin(), length.end(), model->length);
+    std::copy(tension.begin(), tension.end(), model->tension);
+    std::copy(slides.begin(), slides.end(), model->slides);
+    std::copy(friction.begin(), friction.end(), model->friction);
+    for (int end = 0; end < 2; ++end) model->winch[end] = {speed[end], force[end], brake[end], stop[end]};
+}
+
+void LineEngine::takeState() {
+    length.assign(model->length, model->length + model->spans);
+    tension.assign(model->tension, model->tension + model->spans);
+    slides.assign(model->slides, model->slides + model->spans + 1);
+    rubbed = model->rubbed;
+    drawn = model->drawn;
+    unsettled = model->unsettled;
+}
+
+void LineEngine::findPlaces() {
+    const size_t n = numbers.size();
+    at.resize(n);
+    for (size_t i = 0; i < n; ++i) {
+        Vector3r place;
+        if (families[i] < 0) {
+            const State& state = *bodyAt(i).state;
+            place = state.pos + state.ori * offsets[i];
+        } else {
+            place = cable(i).placeOfNode(numbers[i]);
+        }
+        if (!finite(place)) refuse(placeText(i) + " is at no finite position: look at what acts there");
+        at[i] = {place[0], place[1], place[2]};
+    }
+}
+
+namespace {
+    const Real (*coordinates(const vector<std::array<Real, 3>>& at))[3] {
+        return reinterpret_cast<const Real(*)[3]>(at.data());
+    }
+} // namespace
+
+// Speeds that are functions of time.
+void LineEngine::askWinches() {
+    for (size_t end = 0; end < 2; ++end) {
+        if (!scripted[end]) continue;
+        const Scene& s = theScene();
+        speed[end] =
+            speeds(static_cast<int>(end), s.time + s.dt, text("LineEngine '", name, "', speed of end ", end ? -1 : 0));
+    }
+}
+
+// Force of the line on a place.
+static Vector3r pullAt(const ancf_line* l, int i) {
+    Vector3r sum = Vector3r::Zero();
+    const auto add = [&](int span, Real sign) {
+        for (int c = 0; c < 3; ++c) sum[c] += sign * l->tension[span] * l->along[span][c];
+    };
+    if (i < l->spans) add(i, 1);
+    if (i > 0) add(i - 1, -1);
+    return sum;
+}
+
+// Forces on bodies add up exactly in whatever order; what that rounds off goes with those of the next step.
+void LineEngine::pullBodies() {
+    leftForce.resize(numbers.size(), Vector3r::Zero());
+    leftTorque.resize(numbers.size(), Vector3r::Zero());
+    for (size_t i = 0; i < numbers.size(); ++i) {
+        if (families[i] >= 0) continue;
+        const Body& body = bodyAt(i);
+        const Vector3r pull = pullAt(model.get(), static_cast<int>(i));
+        const Left left = addExactly(*scene, body, movedBody(*scene, body), pull + leftForce[i],
+                                     (body.state->ori * offsets[i]).cross(pull) + leftTorque[i]);
+        leftForce[i] = left.force;
+        leftTorque[i] = left.torque;
+    }
+}
+
+void LineEngine::pullCables() {
+    std::map<int, vector<std::pair<int, Vector3r>>> forces;
+    for (size_t i = 0; i < numbers.size(); ++i)
+        if (families[i] >= 0)
+            forces[families[i]].emplace_back(cable(i).tied(numbers[i]), pullAt(model.get(), static_cast<int>(i)));
+    for (auto& [family, list] : forces) CableEngine::of(*scene, family)->pull(this, scene->iter, std::move(list));
+}
+
+void LineEngine::noteEnergy() {
+    auto& tracker = *scene->energy;
+    tracker.add(ancf_line_energy(model.get()), "lineElastic", elasticIx, true);
+    tracker.add(model->rubbed - rubbed, "lineFriction", frictionIx, false);
+    tracker.add(drawn - model->drawn, "winchWork", workIx, false);
+}
+
+void LineEngine::action() {
+    const StepGuard guard;
+    throwLate(*scene);
+    checkLists();
+    if (scene->iter >= checkedIter + lookInterval || scene->iter < checkedIter || checkedIter < 0) checkPlaces();
+    askWinches();
+    findPlaces();
+    makeLine();
+    ancf_line_step(model.get(), coordinates(at), scene->dt);
+    if (scene->iter >= checkedIter + lookInterval || scene->iter < checkedIter || checkedIter < 0) checkStep();
+    if (scene->trackEnergy) noteEnergy();
+    for (size_t i = 0; i < flow.size(); ++i) flow[i] = model->flow[i] / scene->dt;
+    takeState();
+    pullBodies();
+    pullCables();
+}
+
+// ---------------------------------------------------------------- the step
+
+// A place that the line comes to several times answers as often.
+vector<Real> LineEngine::inverseMasses() const {
+    const size_t n = numbers.size();
+    vector<Real> inverse(n);
+    std::map<std::pair<int, int>, int> visits;
+    const auto what = [&](size_t i) {
+        return std::pair(families[i], families[i] < 0 ? numbers[i] : cable(i).tied(numbers[i]));
+    };
+    for (size_t i = 0; i < n; ++i) ++visits[what(i)];
+    for (size_t i = 0; i < n; ++i) {
+        if (families[i] >= 0) {
+            inverse[i] = cable(i).mobilityOfNode(numbers[i]);
+        } else {
+            const Body& moved = movedBody(theScene(), bodyAt(i));
+            const Mobility m = mobility(theScene(), moved);
+            const Vector3r arm = Vector3r(at[i][0], at[i][1], at[i][2]) - moved.state->pos;
+            inverse[i] = m.inverseMass.maxCoeff() + m.along.squaredNorm() + arm.squaredNorm() * m.inverseInertia.norm();
+        }
+        inverse[i] *= visits[what(i)];
+    }
+    return inverse;
+}
+
+void LineEngine::takeOthers(const py::object& cables) {
+    others.clear();
+    for (py::ssize_t i = 0; i < py::len(cables); ++i) {
+        const py::extract<shared_ptr<CableEngine>> engine(cables[i]);
+        if (!engine.check()) throw std::invalid_argument("LineEngine: cables must be CableEngines");
+        others.push_back(engine().get());
+    }
+}
+
+Real LineEngine::criticalTimeStep(const py::object& cables) {
+    ways(cables);
+    takeOthers(cables);
+    const bool rough = std::any_of(friction.begin(), friction.end(), [](Real f) { return f > 0; });
+    const Real share = rough && ringRadius > 0 ? 0 : nearer; // stuck spans are as stiff as they are short
+    const Real frequency2 = ancf_line_frequency2(model.get(), inverseMasses().data(), share);
+    others.clear();
+    return safety * 2 / std::sqrt(frequency2);
+}
+
+// With the cables' own, as their frequencies add up; in sub-steps they are on their own.
+void LineEngine::checkStep() {
+    checkedIter = scene->iter;
+    const Real dt = scene->dt;
+    const Real own = 2 / std::sqrt(ancf_line_frequency2(model.get(), inverseMasses().data(), 1));
+    Real limit = own;
+    for (const int family : families) {
+        if (family < 0) continue;
+        const Real cables = CableEngine::of(*scene, family)->criticalTimeStep();
+        if (dt <= cables * (1 + 1e-7)) limit = std::min(limit, 1 / std::hypot(1 / own, safety / cables));
+    }
+    if (dt <= limit * (1 + 1e-7)) return;
+    const Real nearest = *std::min_element(model->way, model->way + model->spans);
+    refuse(text("at iteration ", scene->iter, " the step O.dt = ", dt, " s is above the stable one, ", limit,
+                " s, of the line and what it pulls at (its nearest rings are ", nearest,
+                " m apart): use O.dt <= ", limit, ", larger rings, or less EA"));
+}
+
+// ---------------------------------------------------------------- from Python
+
+vector<Real> LineEngine::ways(const py::object& cables) {
+    checkLists();
+    takeOthers(cables);
+    findPlaces();
+    others.clear();
+    makeLine();
+    ancf_line_lay(model.get(), coordinates(at));
+    return vector<Real>(model->way, model->way + model->spans);
+}
+
+vector<Vector3r> LineEngine::points() {
+    checkLists();
+    findPlaces();
+    vector<Vector3r> all;
+    for (const auto& p : at) all.emplace_back(p[0], p[1], p[2]);
+    return all;
+}
+
+int LineEngine::endNumber(int end) const {
+    if (end != 0 && end != -1)
+        throw std::invalid_argument(
+            text("LineEngine '", name, "': end = ", end, ": must be 0, the first place, or -1"));
+    return end ? 1 : 0;
+}
+
+void LineEngine::setWinch(int end, const py::object& newSpeed, Real newForce, Real newBrake, Real newStop) {
+    const int i = endNumber(end);
+    const auto before = std::tuple(speed, force, brake, stop, scripted);
+    const bool script = isFunction(newSpeed);
+    speed[i] = script ? 0 : static_cast<Real>(py::extract<Real>(newSpeed));
+    force[i] = newForce;
+    brake[i] = newBrake;
+    stop[i] = newStop;
+    scripted[i] = script;
+    try {
+        checkLists();
+    } catch (...) {
+        std::tie(speed, force, brake, stop, scripted) = before;
+        throw;
+    }
+    speeds.set(i, script ? newSpeed : py::object());
+}
+
+string LineEngine::doing(int end) const {
+    const int i = endNumber(end);
+    checkLists();
+    switch (slides[i ? slides.size() - 1 : 0]) {
+    case ANCF_DRAWS:
+        return speed[i] > 0 ? "draws" : "lets out";
+    case ANCF_STRAINS:
+        return "strains";
+    case ANCF_SLIPS:
+        return "slips";
+    default:
+        if (speed[i] == 0) return "holds";
+        return std::abs(wholeLength() - stop[i]) <= 1e-9 * stop[i] ? "stopped" : "strains";
+    }
+}
+
+Real LineEngine::elastic() const {
+    Real sum = 0;
+    for (size_t i = 0; i < length.size(); ++i) sum += tension[i] * tension[i] / ea * length[i] / 2;
+    return sum;
+}
+
+Real LineEngine::wholeLength() const {
+    Real sum = 0;
+    for (const Real each : length) sum += each;
+    return sum;
+}
+
+} // namespace yade
