@@ -32,6 +32,7 @@ VARY = dict(  # about the study's 1.5 m/s, 25 deg, 1 m
 MESHES = 4  # a side
 MESH_LENGTH = 0.12  # [m]
 CONTACT_POINTS = 2  # inside each element
+FOLD = 0.65  # size of the folded net as part of the open one: it is half open when it is shot
 SAMPLE = 5e-3  # time between two looks at a capture [s]
 MOUTH = 0.25  # of the largest mouth area: that of a closed net
 HOLD = 0.3  # that an embrace has to last [s]
@@ -67,7 +68,7 @@ def build(speed, angle, distance, offset, spin):
         damping=a["damping"],
         mass=given.MASS,
         normal=(1, 0, 0),
-        fold=a["fold"],
+        fold=FOLD,
         selfContact=True,
     )
     net.addBullets(given.BULLET_MASS, a["bulletRadius"], speed, math.radians(angle))
