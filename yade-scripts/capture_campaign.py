@@ -17,6 +17,7 @@ import ancf
 import ball_capture as given
 from ancf import campaign
 from ancf.campaign import maps, statistics
+from ancf.capture import CLOSED, HOLD
 from yade import O, Vector3, utils
 
 # ---- parameters, SI units; those of cables, bullets and contacts are ball_capture's --------------
@@ -32,10 +33,7 @@ VARY = dict(  # about the study's 1.5 m/s, 25 deg, 1 m
 MESHES = 4  # a side
 MESH_LENGTH = 0.12  # [m]
 CONTACT_POINTS = 2  # inside each element
-FOLD = 0.65  # size of the folded net as part of the open one: it is half open when it is shot
 SAMPLE = 5e-3  # time between two looks at a capture [s]
-MOUTH = 0.25  # of the largest mouth area: that of a closed net
-HOLD = 0.3  # that an embrace has to last [s]
 LATEST = 2.5  # end of a capture without one, in times of the bullets' way to the ball
 HALVINGS = 3  # of the step, at most, where the energy does not balance
 
@@ -68,7 +66,7 @@ def build(speed, angle, distance, offset, spin):
         damping=a["damping"],
         mass=given.MASS,
         normal=(1, 0, 0),
-        fold=FOLD,
+        fold=a["fold"],
         selfContact=True,
     )
     net.addBullets(given.BULLET_MASS, a["bulletRadius"], speed, math.radians(angle))
@@ -80,7 +78,7 @@ def build(speed, angle, distance, offset, spin):
 
 class Embrace:
     """Looks whether a net embraces a ball: its four bullets are beyond the ball's centre, and its mouth
-    is below a quarter of its largest area, for HOLD at least.
+    is below CLOSED of its largest area, for HOLD at least, as in ancf.capture.
     """
 
     def __init__(self, net, distance):
@@ -92,7 +90,7 @@ class Embrace:
         self.largest = max(self.largest, area)
         self.mouth = area / self.largest
         beyond = all(O.bodies[i].state.pos[0] > self.distance for i in self.net.bullets)
-        if not (beyond and self.mouth < MOUTH):
+        if not (beyond and self.mouth < CLOSED):
             self.start = None
             return
         self.start = O.time if self.start is None else self.start

@@ -35,6 +35,7 @@ CHASER = dict(mass=20.0, radius=0.15)  # [kg], [m]
 BEHIND = 0.4  # the chaser, from the net [m]
 CLOSE = dict(speed=3.0, force=8.0)  # of the winch [m/s], [N]
 CLOSED = 0.25  # part of the rim's length to which it draws the line
+HELD = 0.25  # mouth, and share of the satellite that is not enclosed, at most
 BURN, THRUST, BURNING = 3.0, 2.0, 60.0  # start [s], force [N] and duration [s] of the towing
 TETHER = 2.6  # unstressed length [m]
 SAMPLE = 0.01  # [s]; when towing five times as much
@@ -117,6 +118,7 @@ class Mission:
             label="tether",
         )
         O.engines = ancf.engines(self.net, self.line, self.tether)
+        O.dt *= 0.5  # contacts that last for a minute lose less
         ancf.check()
         self.capture = Capture(self.net, self.satellite)
         self.rows, self.closing, self.burning = [], None, None
@@ -130,6 +132,7 @@ class Mission:
             self.line.haul(CLOSE["speed"], CLOSE["force"], to=CLOSED * self.around)
         if self.burning is None and O.time >= BURN:
             self.burning = O.time
+            self.twisted = self.net.engine.twistLeft
             O.forces.setPermF(self.chaser, Vector3(-THRUST, 0, 0))
 
     # ---- measures --------------------------------------------------------------------------------
@@ -191,7 +194,7 @@ class Mission:
         off = np.abs(self.column("gained") - self.rows[0]["gained"]).max()
         turned = np.abs(self.column("angular") - self.rows[0]["angular"])[time < BURN].max()
         mean = self.column("tether")[towing].mean()
-        held = row["enclosed_end"] > 0.9 and row["mouth_end"] < 0.1
+        held = row["mouth_end"] < HELD and row["enclosed_end"] > 1 - HELD
         print(f"first contact        {row['contact_s']:.3f} s")
         print(
             f"closing line drawn   from {self.closing:.3f} s, {self.line.length:.3f} m left, winch {self.line.winch()}"
@@ -206,7 +209,8 @@ class Mission:
             f"tether               {mean:.3f} N in the last 10 s, thrust x mass ratio {THRUST * caught:.3f} N"
         )
         print(f"momentum             off the thrust's by {off:.1e} kg m/s")
-        print(f"angular momentum     kept until the burn within {turned:.1e} kg m2/s")
+        print(f"angular momentum     kept until the burn within {turned:.1e} kg m2/s,", end=" ")
+        print(f"friction could not twist cables by {self.twisted:.1e}")
         print(f"step                 {O.dt:.3g} s, {O.iter} steps")
         print("=> caught, closed and towed" if held else "=> NOT held", flush=True)
         return held

@@ -90,7 +90,9 @@ def state():
 
 def read():
     """Everything that reads the engines' lists."""
-    engine, turning, guide = (the(k) for k in ("CableEngine", "LineEngine", "SheaveEngine", "GuideEngine"))
+    engine, turning, guide = (
+        the(k) for k in ("CableEngine", "LineEngine", "SheaveEngine", "GuideEngine")
+    )
     for call in (
         lambda: [engine.tied(i) for i in range(6)],
         lambda: engine.elementsAt(1),
