@@ -145,4 +145,11 @@ Real Schedules::operator()(int number, Real time, const string& name) const {
 
 bool isFunction(const py::object& value) { return PyCallable_Check(value.ptr()); }
 
+Real numberGiven(const py::object& value, const string& name, Body::id_t id, const char* wanted) {
+    const py::extract<Real> number(value);
+    if (number.check()) return number();
+    const string given = py::extract<string>(value.attr("__repr__")());
+    throw std::invalid_argument(name + " = " + given + " of body " + std::to_string(id) + ": must be " + wanted);
+}
+
 } // namespace yade

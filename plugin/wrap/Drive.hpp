@@ -128,7 +128,9 @@ template <class Of> bool callAll(vector<Real>& values, const char* engine, const
     return any;
 }
 
-// A number, or a function of time that is called once to see that it works.
 bool isFunction(const py::object& value);
+
+// A number that was given for `name` of a body; std::invalid_argument if it is none, with what else might be.
+Real numberGiven(const py::object& value, const string& name, Body::id_t id, const char* wanted);
 
 } // namespace yade

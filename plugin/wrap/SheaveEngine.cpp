@@ -114,7 +114,7 @@ void SheaveEngine::setSpeed(Body::id_t id, const py::object& value) {
     const int i = number(id);
     Real fixed = unset;
     if (!value.is_none() && !isFunction(value)) {
-        fixed = py::extract<Real>(value);
+        fixed = numberGiven(value, "SheaveEngine: speed", id, "a number, a function of time, or None");
         if (!finite(fixed))
             throw std::invalid_argument(
                 text("SheaveEngine: speed = ", fixed, " of body ", id, ": must be finite, and below 1e100 [rad/s]"));
@@ -131,7 +131,7 @@ void SheaveEngine::setSpeed(Body::id_t id, const py::object& value) {
 void SheaveEngine::setTorque(Body::id_t id, const py::object& value) {
     const int i = number(id);
     if (!isFunction(value)) {
-        const Real given = py::extract<Real>(value);
+        const Real given = numberGiven(value, "SheaveEngine: torque", id, "a number or a function of time");
         if (!finite(given))
             throw std::invalid_argument(
                 text("SheaveEngine: torque = ", given, " of body ", id, ": must be finite, and below 1e100 [N m]"));

@@ -400,6 +400,16 @@ TEXTS = [
         "BackAndForth: distance = nan: must be finite",
     ),
     (
+        lambda: ancf.SheaveEngine().add(sheave(), speed="a"),
+        ValueError,
+        "SheaveEngine: speed = 'a' of body .*: must be a number, a function of time, or None",
+    ),
+    (
+        lambda: ancf.SheaveEngine().add(sheave(), speed=1.0, torque="a"),
+        ValueError,
+        "SheaveEngine: torque = 'a' of body .*: must be a number or a function of time",
+    ),
+    (
         lambda: O.bodies[sheave()].shape.touch(Vector3(NAN, 0, 0), 0.001),
         ValueError,
         "Sheave.touch: .*must be finite",
