@@ -39,7 +39,7 @@ DRAG_TIME, LIFT_TIME = 0.8, 1.2  # [s]
 QUICK_HEIGHT, QUICK_TIME = 0.8, 0.5  # of the small net; part of DRAG_TIME and LIFT_TIME
 
 
-def build(quick=False, model="springs"):
+def build(quick=False):
     """The scene at its start: (net, crane, stones, ground)."""
     O.reset()
     for label, young, density, friction in (
@@ -66,11 +66,8 @@ def build(quick=False, model="springs"):
         slack=SLACK,
         diameter=CORD,
         material="cord",
-        model=model,
+        model="springs",  # edges are short against what they would bend to
         damping=CORD_DAMPING,
-        mass="lumped",
-        contactPoints=1,
-        bending=None if model == "springs" else 0.0,
         center=(0, 0, height),
         normal=(0, 0, 1),
     )
@@ -91,8 +88,8 @@ def build(quick=False, model="springs"):
 class Bag:
     """One run and what is measured in it."""
 
-    def __init__(self, quick=False, pictures=False, model="springs"):
-        self.net, self.crane, self.stones, self.ground = build(quick, model)
+    def __init__(self, quick=False, pictures=False):
+        self.net, self.crane, self.stones, self.ground = build(quick)
         self.mass = grains.mass(self.stones) + self.net.mass
         self.weight = GRAVITY * self.mass
         self.part = QUICK_TIME if quick else 1.0
