@@ -90,10 +90,14 @@ def state():
 
 def read():
     """Everything that reads the engines' lists."""
-    engine, turning, guide = (
-        the(k) for k in ("CableEngine", "LineEngine", "SheaveEngine", "GuideEngine")
-    )
+    engine, line = the("CableEngine"), the("LineEngine")
+    turning, guide = the("SheaveEngine"), the("GuideEngine")
     for call in (
+        line.ways,
+        line.points,
+        line.criticalTimeStep,
+        lambda: line.doing(0),
+        lambda: [line.elastic, line.wholeLength],
         lambda: [engine.tied(i) for i in range(6)],
         lambda: engine.elementsAt(1),
         lambda: engine.reaction(0),
