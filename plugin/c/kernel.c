@@ -123,7 +123,7 @@ ANCF_BEAM_KERNELS(stretch_reduced, ANCF_STRETCH_REDUCED)
 enum { KERNELS = ANCF_STRAINS * ANCF_BENDINGS * 2 };
 
 static int kernel_number(int kind, bool bending, bool damped) {
-    return (ancf_strain_of(kind) * ANCF_BENDINGS + ancf_bending_of(kind, bending)) * 2 + damped;
+    return 2 * ((int)ancf_strain_of(kind) * ANCF_BENDINGS + (int)ancf_bending_of(kind, bending)) + damped;
 }
 
 // Tension-only spring and damper, k = EA/dl (Eq. 1), engineering strain |d| - 1.
