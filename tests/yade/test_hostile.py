@@ -90,7 +90,7 @@ def state():
 
 def read():
     """Everything that reads the engines' lists."""
-    engine, turning, guide = (
+    engine, line, turning, guide = (
         the(k) for k in ("CableEngine", "LineEngine", "SheaveEngine", "GuideEngine")
     )
     for call in (
@@ -104,6 +104,9 @@ def read():
         engine.momentum,
         engine.criticalTimeStep,
         lambda: engine.overlaps(0.1),
+        line.points,
+        line.criticalTimeStep,
+        lambda: [line.doing(end) for end in (0, -1)],
         lambda: (engine.stride, engine.asleep, engine.coupled, engine.nElements),
         lambda: [turning.number(i) for i in turning.ids],
         lambda: [guide.position(i) for i in guide.ids],
