@@ -68,6 +68,7 @@ void LineEngine::checkLists() const {
     all.size("flow", flow, n, places);
     all.size("length", length, n - 1, spans);
     all.size("tension", tension, n - 1, spans);
+    all.each("families", families, "that of a CableEngine, or -1 for a body", [](int i) { return i >= -1; });
     all.each("numbers", numbers, "a node or a body", [](int i) { return i >= 0; });
     all.finiteEach("offsets", offsets);
     all.finiteEach("flow", flow);
