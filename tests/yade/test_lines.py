@@ -345,6 +345,18 @@ def test_step_of_several_lines_at_one_body():
     assert steps[1] == pytest.approx(steps[0] / 2, rel=0.05)
 
 
+def test_between_what_is_held():
+    """Nothing moves, so that it allows any step."""
+    cable = strand()
+    line = ancf.Line(
+        [ball((x, 0, 0), 1, fixed=True) for x in (0, 1)], diameter=2e-3, material="cord"
+    )
+    O.engines = ancf.engines(cable, line)
+    assert line.criticalTimeStep() == math.inf
+    assert O.dt > 0
+    O.step()
+
+
 def test_a_step_that_is_refused_stays_so():
     """When it is tried again, and at once when O.dt is changed."""
     weight = ball((0, 0, 0), 0.02)

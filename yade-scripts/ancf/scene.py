@@ -295,7 +295,8 @@ def timeStep(engines=None, speed=None, law=None, lines=None):
     for line in lines:
         own = line.criticalTimeStep([*engines, *lines])
         pulled = [e.criticalTimeStep() for e in engines if e.family in line.families]
-        steps.append(sum(1 / step**2 for step in [own, *pulled]) ** -0.5)  # frequencies add up
+        rate2 = sum(1 / step**2 for step in [own, *pulled])  # frequencies add up
+        steps.append(rate2**-0.5 if rate2 else math.inf)
     return min(steps)
 
 
