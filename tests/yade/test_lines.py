@@ -165,6 +165,20 @@ def test_purse_keeps_energy_and_momentum(friction, model):
         assert line.energy()["friction"] == pytest.approx(0, abs=1e-9 * scale)
 
 
+@pytest.mark.parametrize("substeps", [1, 4])
+def test_sub_steps_keep_momenta(substeps):
+    """The whole pull where the line found the knots: nothing turns them together."""
+    hoop, line = purse(friction=0.1, model="ancf", ringRadius=0.02, tension=5.0)
+    hoop.setVelocity(lambda p: Vector3(0.3 - 2 * p[1], -0.2 + 2 * p[0], 1))
+    O.engines = ancf.engines(hoop, line, substeps=substeps)
+    line.haul(4.0, 30.0)
+    before = hoop.engine.momentum()
+    for _ in range(2000):
+        O.step()
+    for one, other in zip(before, hoop.engine.momentum()):
+        assert (other - one).norm() < 1e-11 * one.norm()
+
+
 def test_energy_error_is_of_second_order():
     errors = []
     for part in (1, 2):
