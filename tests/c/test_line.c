@@ -296,6 +296,34 @@ static void winches(void** state) {
     ancf_line_destroy(s.line);
 }
 
+// Two winches that pull a line between them, over rings that stand still.
+static void tug(void** state) {
+    (void)state;
+    scene s = {.same = -1};
+    for (int i = 0; i < 4; ++i) s.x[i][0] = i;
+    for (double speed = 0.1; speed < 1e4; speed *= 10.0) {
+        lay(&s, 3, 1e3, 0.0, 0.0);
+        ancf_line* l = s.line;
+        const double(*x)[3] = (const double(*)[3])s.x;
+        // The stronger one draws what the other's brake lets out.
+        l->winch[0] = (ancf_winch) {speed, 20.0, INFINITY, 0.0, INFINITY};
+        l->winch[1] = (ancf_winch) {speed, 10.0, 15.0, 0.0, INFINITY};
+        for (int i = 0; i < 2000; ++i) ancf_line_step(l, x, 1e-3);
+        assert_close(l->tension[1], 15.0, 1e-9);
+        assert_int_equal(l->slides[0], ANCF_DRAWS);
+        assert_int_equal(l->slides[3], ANCF_SLIPS);
+        assert_close(l->flow[0], -1e-3 * speed, 1e-12);
+        // Held by the other, it strains at its own force.
+        l->winch[1].brake = INFINITY;
+        for (int i = 0; i < 2000; ++i) ancf_line_step(l, x, 1e-3);
+        assert_close(l->tension[1], 20.0, 1e-9);
+        assert_int_equal(l->slides[0], ANCF_STRAINS);
+        assert_int_equal(l->slides[3], ANCF_HOLDS);
+        assert_int_equal(l->unsettled, 0);
+        ancf_line_destroy(l);
+    }
+}
+
 // Anything at random: length is kept but for what drums take, friction takes and never gives, tensions stay within
 // Eytelwein's bounds, and the ends within what their winches can.
 static void whatever_happens(void** state) {
@@ -408,7 +436,7 @@ static void frequencies(void** state) {
             s.mass[i] = 1.0; // symmetric, as power iteration likes it
             inverse[i] = 1.0;
         }
-        lay(&s, n, 1e3, 0.01, 10.0);
+        lay(&s, n, 1e3, 0.01, run % 2 ? 10.0 : 2e3); // stretched to thrice its length, it swings across as fast
         for (int rough = 0; rough < 2; ++rough) {
             for (int i = 1; i < n; ++i) s.line->friction[i] = rough ? 5.0 : 0.0;
             const double bound = ancf_line_frequency2(s.line, inverse, 1.0), true_one = largest(&s, n);
@@ -419,11 +447,39 @@ static void frequencies(void** state) {
     }
 }
 
+// Of ways that may become a quarter of what they are: that of places four times as near.
+static void frequencies_of_nearer_places(void** state) {
+    (void)state;
+    const double inverse[4] = {1.0, 2.0, 0.5, 3.0};
+    for (int rough = 0; rough < 2; ++rough) {
+        scene s = {.same = -1, .x = {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 1}}};
+        lay(&s, 3, 1e3, 0.0, 10.0);
+        for (int i = 1; i < 3; ++i) s.line->friction[i] = 0.2 * rough;
+        const double before = ancf_line_frequency2(s.line, inverse, 0.25);
+        for (int i = 0; i < 4; ++i)
+            for (int c = 0; c < 3; ++c) s.x[i][c] *= 0.25;
+        ancf_line_lay(s.line, (const double(*)[3])s.x);
+        assert_close(before, ancf_line_frequency2(s.line, inverse, 1.0), 1e-12);
+        s.line->radius = 1.0; // no way is shorter than that of rings that meet
+        ancf_line_lay(s.line, (const double(*)[3])s.x);
+        for (int i = 0; i < 3; ++i) s.line->way[i] = 1.0;
+        assert_close(ancf_line_frequency2(s.line, inverse, 0.0), ancf_line_frequency2(s.line, inverse, 1.0), 1e-12);
+        ancf_line_destroy(s.line);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bad_lines_are_refused), cmocka_unit_test(capstan),     cmocka_unit_test(atwood),
-        cmocka_unit_test(atwood_sticks),         cmocka_unit_test(purse),       cmocka_unit_test(winches),
-        cmocka_unit_test(whatever_happens),      cmocka_unit_test(frequencies),
+        cmocka_unit_test(bad_lines_are_refused),
+        cmocka_unit_test(capstan),
+        cmocka_unit_test(atwood),
+        cmocka_unit_test(atwood_sticks),
+        cmocka_unit_test(purse),
+        cmocka_unit_test(winches),
+        cmocka_unit_test(tug),
+        cmocka_unit_test(whatever_happens),
+        cmocka_unit_test(frequencies),
+        cmocka_unit_test(frequencies_of_nearer_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
