@@ -7,7 +7,7 @@ import pytest
 
 import ancf
 from helpers import bodyEngines, material
-from yade import O, Vector3, utils
+from yade import O, Quaternion, Vector3, utils
 
 G = 9.81
 
@@ -206,6 +206,7 @@ def test_pulls_on_a_body_off_its_centre():
     box = O.bodies.append(utils.box((0, 0, 0), (0.2, 0.1, 0.1), material="cord"))
     O.bodies[box].state.mass = 1.0
     O.bodies[box].state.inertia = Vector3(0.02, 0.05, 0.06)
+    O.bodies[box].state.ori = Quaternion((0, 0, 1), 2.5)
     line = ancf.Line([(box, (0.2, 0.1, 0.1)), (cable, 1)], diameter=1e-3, material="cord")
     O.engines = ancf.engines(cable, line)
     line.haul(0.5, 5.0)
