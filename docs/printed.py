@@ -41,11 +41,8 @@ def commands(page, folder):
             (FIRST / name).write_text(text)
         script = folder / f"{page.stem}.sh"
         script.write_text("".join(text for language, _, text in found if language == "sh"))
-        return [
-            "bash",
-            "-e",
-            str(script),
-        ], DOCS.parent if "cd out/first" in script.read_text() else FIRST
+        where = DOCS.parent if "cd out/first" in script.read_text() else FIRST
+        return ["bash", "-e", str(script)], where
     if inRow:
         script = folder / f"{page.stem}.py"
         script.write_text("".join(inRow))

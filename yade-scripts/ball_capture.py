@@ -86,7 +86,7 @@ def appendMaterials(target="ball"):
 def build(nudge, close=False, **assumed):
     """The scene; nudge (4) changes speed, angle and the ball's y and z a little, `assumed` what is in ASSUMED.
 
-    Returns the net, the ball's id and the closing line, or None.
+    Returns the net and the ball's id. close: with a closing line, ancf.lines()[0].
     """
     a = {**ASSUMED, **assumed}
     O.reset()
@@ -112,11 +112,10 @@ def build(nudge, close=False, **assumed):
         BULLET_SPEED * (1 + nudge[0]),
         np.radians(BULLET_ANGLE) * (1 + nudge[1]),
     )
-    line = closingLine(net, a["diameter"]) if close else None
-    parts = [net, line] if close else [net]
+    parts = [net, closingLine(net, a["diameter"])] if close else [net]
     O.engines = ancf.engines(*parts, gravity=(0, 0, -a["gravity"]))
     ancf.check()
-    return net, ball, line
+    return net, ball
 
 
 def closingLine(net, diameter):
@@ -138,7 +137,8 @@ class Run:
     def __init__(self, nudge, pictures, duration, title, close=False, **assumed):
         from ancf.plots import Film, History
 
-        self.net, self.ball, self.line = build(nudge, close, **assumed)
+        self.net, self.ball = build(nudge, close, **assumed)
+        self.line = ancf.lines()[0] if close else None
         self.history = History(self.net)
         left = {"line_left_m": lambda: self.line.length} if close else {}
         self.capture = Capture(self.net, self.ball, also=left)

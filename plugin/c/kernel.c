@@ -115,15 +115,16 @@ ANCF_BEAM_KERNELS(green, ANCF_GREEN)
 ANCF_BEAM_KERNELS(stretch, ANCF_STRETCH)
 ANCF_BEAM_KERNELS(stretch_reduced, ANCF_STRETCH_REDUCED)
 
-// (strains x bendings x 2) functions of a name.
+// Functions of a name, in the order of kernel_number().
 #define ANCF_OF_STRAIN(name)                                                                                           \
-    {                                                                                                                  \
-        {name##_straight, name##_straight_damped}, {name##_fast, name##_fast_damped}, {                                \
-            name##_exact, name##_exact_damped                                                                          \
-        }                                                                                                              \
-    }
+    name##_straight, name##_straight_damped, name##_fast, name##_fast_damped, name##_exact, name##_exact_damped
 #define ANCF_OF_STRAINS(prefix)                                                                                        \
-    { ANCF_OF_STRAIN(prefix##green), ANCF_OF_STRAIN(prefix##stretch), ANCF_OF_STRAIN(prefix##stretch_reduced) }
+    ANCF_OF_STRAIN(prefix##green), ANCF_OF_STRAIN(prefix##stretch), ANCF_OF_STRAIN(prefix##stretch_reduced)
+enum { KERNELS = ANCF_STRAINS * ANCF_BENDINGS * 2 };
+
+static int kernel_number(int kind, bool bending, bool damped) {
+    return 2 * ((int)ancf_strain_of(kind) * ANCF_BENDINGS + (int)ancf_bending_of(kind, bending)) + damped;
+}
 
 // Tension-only spring and damper, k = EA/dl (Eq. 1), engineering strain |d| - 1.
 ANCF_CLONES static void spring(const ancf_fields* fields) {
@@ -153,10 +154,9 @@ void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped)
         spring(fields);
         return;
     }
-    static void (*const beams[ANCF_STRAINS][ANCF_BENDINGS][2])(const ancf_fields*, const ancf_rule*) =
-        ANCF_OF_STRAINS();
+    static void (*const beams[KERNELS])(const ancf_fields*, const ancf_rule*) = {ANCF_OF_STRAINS()};
     const ancf_rule rule = ancf_rule_of(kind);
-    beams[ancf_strain_of(kind)][ancf_bending_of(kind, bending)][damped](fields, &rule);
+    beams[kernel_number(kind, bending, damped)](fields, &rule);
 }
 
 // (L kappa)^2 at the 3 Gauss points, with their weights.
@@ -254,11 +254,10 @@ ANCF_CLONES static void books_spring_damped(ancf_account* account, const ancf_fi
 }
 
 void ancf_kernel_books(ancf_account* account, const ancf_fields* fields, int kind, bool bending, bool damped) {
-    static void (*const beams[ANCF_STRAINS][ANCF_BENDINGS][2])(ancf_account*, const ancf_fields*, const ancf_rule*) =
-        ANCF_OF_STRAINS(books_);
+    static void (*const beams[KERNELS])(ancf_account*, const ancf_fields*,
+                                        const ancf_rule*) = {ANCF_OF_STRAINS(books_)};
     const ancf_rule rule = ancf_rule_of(kind);
-    if (!(kind & ANCF_SPRING))
-        beams[ancf_strain_of(kind)][ancf_bending_of(kind, bending)][damped](account, fields, &rule);
+    if (!(kind & ANCF_SPRING)) beams[kernel_number(kind, bending, damped)](account, fields, &rule);
     else if (damped) books_spring_damped(account, fields);
     else books_spring(account, fields);
 }

@@ -361,12 +361,11 @@ static void spring_kernel(const kernel_fields* K) {
 
 static void choose_kernel(const ancf_tile* t, const kernel_fields* k) {
     enum { REDUCED = 1, STRETCH = 2 };
-#define ANCF_RULES(name)                                                                                               \
-    { name, name##_reduced, name##_stretch, name##_stretch_reduced }
+#define ANCF_RULES(name) name, name##_reduced, name##_stretch, name##_stretch_reduced
     static void (*const beam[ANCF_BENDINGS][2][4])(const kernel_fields*) = {
-        {ANCF_RULES(straight), ANCF_RULES(straight_damped)},
-        {ANCF_RULES(fast), ANCF_RULES(fast_damped)},
-        {ANCF_RULES(exact), ANCF_RULES(exact_damped)}};
+        {{ANCF_RULES(straight)}, {ANCF_RULES(straight_damped)}},
+        {{ANCF_RULES(fast)}, {ANCF_RULES(fast_damped)}},
+        {{ANCF_RULES(exact)}, {ANCF_RULES(exact_damped)}}};
     const int rule = (t->kind & ANCF_AXIAL_REDUCED ? REDUCED : 0) + (t->kind & ANCF_ENGINEERING ? STRETCH : 0);
     if (t->kind & ANCF_SPRING) spring_kernel(k);
     else beam[ancf_bending_of(t->kind, t->bending)][t->damped][rule](k);

@@ -146,12 +146,10 @@ def use(variant):
         if isinstance(engine, ancf.CableEngine):
             engine.sleep = variant == "asleep"
     if variant == "NewtonIntegrator":  # as CableNewton is set
-        O.engines = [
-            wrapper.NewtonIntegrator(damping=0, gravity=e.gravity)
-            if isinstance(e, wrapper.CableNewton)
-            else e
-            for e in engines
-        ]
+        for i, e in enumerate(engines):
+            if isinstance(e, wrapper.CableNewton):
+                engines[i] = wrapper.NewtonIntegrator(damping=0, gravity=e.gravity)
+        O.engines = engines
 
 
 def state():

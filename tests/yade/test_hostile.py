@@ -90,10 +90,14 @@ def state():
 
 def read():
     """Everything that reads the engines' lists."""
-    engine, line, turning, guide = (
-        the(k) for k in ("CableEngine", "LineEngine", "SheaveEngine", "GuideEngine")
-    )
+    engine, line = the("CableEngine"), the("LineEngine")
+    turning, guide = the("SheaveEngine"), the("GuideEngine")
     for call in (
+        line.ways,
+        line.points,
+        line.criticalTimeStep,
+        lambda: line.doing(0),
+        lambda: [line.elastic, line.wholeLength],
         lambda: [engine.tied(i) for i in range(6)],
         lambda: engine.elementsAt(1),
         lambda: engine.reaction(0),
@@ -104,9 +108,6 @@ def read():
         engine.momentum,
         engine.criticalTimeStep,
         lambda: engine.overlaps(0.1),
-        line.points,
-        line.criticalTimeStep,
-        lambda: [line.doing(end) for end in (0, -1)],
         lambda: (engine.stride, engine.asleep, engine.coupled, engine.nElements),
         lambda: [turning.number(i) for i in turning.ids],
         lambda: [guide.position(i) for i in guide.ids],

@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
+import random_lines  # first: sets the number of threads
 import ancf
 from helpers import bodyEngines, material
+from outcomes import FAULTS
 from yade import O, Quaternion, Vector3, utils
 
 G = 9.81
@@ -443,6 +445,14 @@ def test_the_scene_goes_away():
     material("cord", young=2e9, density=1100)
     ball((7, 0, 0), 1), ball((8, 0, 0), 1)
     assert [p[0] for p in engine.points()] == [7, 8]  # those of the scene that is there
+
+
+def test_random_scenes(scene):
+    """The first few of those that random_lines.py runs by the hundred."""
+    ends = [random_lines.scene(seed, 600)[0] for seed in range(20)]
+    O.trackEnergy = False
+    assert not set(ends) & set(FAULTS)
+    assert ends.count("sound") > 15
 
 
 def test_saved_to_the_last_bit(tmp_path):

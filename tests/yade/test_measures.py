@@ -148,9 +148,8 @@ def test_sizes_of_targets(scene):
     material("m")
     r = 0.3
     number = ball((1, 2, 3), r, material="m")
-    assert targetSize(number) == pytest.approx(
-        (4 / 3 * math.pi * r**3, 4 * math.pi * r**2, 0.6)
-    )
+    sphere = (4 / 3 * math.pi * r**3, 4 * math.pi * r**2, 0.6)
+    assert targetSize(number) == pytest.approx(sphere)
     box = utils.box((1, 0, 0), (0.1, 0.2, 0.3), material="m", fixed=True)
     box.state.ori = Quaternion((1, 2, 3), 0.7)
     number = O.bodies.append(box)

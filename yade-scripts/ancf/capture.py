@@ -262,9 +262,7 @@ class Capture:
             "embraced_from_s": since,
             "embraced_until_s": until,
             "tightest_s": self.tightest,
-            "mouth_tightest": None
-            if since is None
-            else float(share[self.time.index(self.tightest)]),
+            "mouth_tightest": tight,
             "recoil_s": self.recoil,
             "lock_s": self.lock,
             "mouth_end": float(share[-1]),

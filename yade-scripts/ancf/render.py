@@ -633,9 +633,9 @@ class Film:
         points, radii = (np.concatenate(q) for q in zip(*(f.extent() for f in self.frames)))
         cell = (size[0] - BAR, size[1]) if colors is not None else tuple(size)
         eye, middle = view.place(points, radii, cell[0] / cell[1])
-        with _sheet(1, 1, cell, False, colors is not None) as made, _encoder(
-            path, size, fps
-        ) as write:
+        with contextlib.ExitStack() as opened:
+            made = opened.enter_context(_sheet(1, 1, cell, False, colors is not None))
+            write = opened.enter_context(_encoder(path, size, fps))
             if colors is not None:
                 _addBar(made.bar, colors)
             for frame in self.frames:

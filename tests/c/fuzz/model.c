@@ -14,8 +14,9 @@ static bool element_is_right(const built* b, int e) {
     const int *ends = &b->ends[2 * e], k = b->next[e], n = b->def.n_elements;
     for (int i = 0; i < 2; ++i)
         if (ends[i] < 0 || ends[i] >= b->def.n_nodes) return false;
-    if (ends[0] == ends[1] || el->kind < 0 || el->kind > 15) return false;
-    if (!good(el->length) || !good(el->ea) || !not_negative(el->ei) || !good(el->rho_a) || !not_negative(el->damping))
+    if (ends[0] == ends[1] || el->kind < 0 || el->kind > 31) return false;
+    if (!good(el->length) || !good(el->ea) || !not_negative(el->ei) || !good(el->rho_a) || !not_negative(el->damping) ||
+        !not_negative(el->drag))
         return false;
     if ((el->kind & ANCF_SPRING) && el->ei != 0.0) return false;
     if (k == -1) return true;
@@ -99,6 +100,7 @@ static void leapfrog(fuzz* f, built* b, double step, int steps) {
     const double* g = b->m->gravity;
     bool alone = b->m->unloaded && f->chance == 0.0 && g[0] == 0.0 && g[1] == 0.0 && g[2] == 0.0;
     for (int i = 0; i < b->n_dof; ++i) alone = alone && !b->m->hold[i];
+    for (int e = 0; e < b->def.n_elements; ++e) alone = alone && b->element[e].drag == 0.0;
     if (!b->def.mass) memset(b->mass, 0, (size_t)b->def.n_nodes * sizeof *b->mass);
     own_momentum(P[1], H, terms[1], b);
     for (int c = 0; c < 3 && alone && b->def.mass; ++c)
