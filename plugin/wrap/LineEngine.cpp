@@ -415,6 +415,7 @@ string LineEngine::doing(int end) const {
 }
 
 Real LineEngine::elastic() const {
+    checkLists();
     Real sum = 0;
     for (size_t i = 0; i < length.size(); ++i) sum += tension[i] * tension[i] / ea * length[i] / 2;
     return sum;
