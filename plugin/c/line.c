@@ -19,7 +19,7 @@ ancf_error ancf_line_create(ancf_line** line, int spans, double ea, double radiu
         free(slides);
         return ANCF_E_MEMORY;
     }
-    const ancf_winch held = {0.0, 0.0, INFINITY, 0.0};
+    const ancf_winch held = {0.0, 0.0, INFINITY, 0.0, INFINITY};
     *l = (ancf_line) {.spans = spans, .ea = ea, .radius = radius, .winch = {held, held}, .slides = slides};
     l->along = (double(*)[3])numbers; // first: what was allocated
     l->length = numbers + 3 * n;
@@ -207,14 +207,16 @@ static int end_by_law(const pass* p, int end) {
     case ANCF_STRAINS:
         return drawn < 0.0 ? ANCF_HOLDS : drawn > p->draw[end] ? ANCF_DRAWS : ANCF_STRAINS;
     case ANCF_SLIPS:
-        return drawn > fmin(0.0, p->draw[end]) ? ANCF_HOLDS : ANCF_SLIPS;
+        if (drawn <= fmin(0.0, p->draw[end])) return ANCF_SLIPS;
+        return p->draw[end] < 0.0 ? ANCF_DRAWS : ANCF_HOLDS;
     case ANCF_DRAWS:
         if (p->draw[end] > 0.0) return tension > w->force * above ? ANCF_STRAINS : ANCF_DRAWS;
         if (tension > w->brake * above) return ANCF_SLIPS;
         return p->draw[end] < 0.0 ? ANCF_DRAWS : ANCF_HOLDS;
     default:
+        if (p->draw[end] < 0.0) return ANCF_DRAWS;
         if (tension > w->brake * above) return ANCF_SLIPS;
-        return p->draw[end] < 0.0 || (p->draw[end] > 0.0 && tension < w->force) ? ANCF_DRAWS : ANCF_HOLDS;
+        return p->draw[end] > 0.0 && tension < w->force ? ANCF_DRAWS : ANCF_HOLDS;
     }
 }
 
@@ -267,8 +269,8 @@ static void book(const pass* p) {
 
 // What a winch asks for in a step of length dt, of a line of that length [m].
 static double asked(const ancf_winch* w, double length, double dt) {
-    const double draw = w->speed * dt, left = length - w->stop;
-    return draw > 0.0 ? fmax(0.0, fmin(draw, left)) : fmin(0.0, fmax(draw, left));
+    const double draw = w->speed * dt;
+    return draw > 0.0 ? fmax(0.0, fmin(draw, length - w->least)) : fmin(0.0, fmax(draw, length - w->most));
 }
 
 static pass begin(ancf_line* l, double dt) {

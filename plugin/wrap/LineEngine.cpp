@@ -7,10 +7,12 @@
 #include "Mobility.hpp"
 
 #include <core/Omega.hpp>
+#include <pkg/dem/NewtonIntegrator.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace yade {
 
@@ -30,12 +32,17 @@ string LineEngine::placeText(size_t i) const {
     return text("place ", i, " (", what, ")");
 }
 
-Scene& LineEngine::theScene() const { return scene ? *scene : *Omega::instance().getScene(); }
+Scene& LineEngine::theScene() const { return *Omega::instance().getScene(); } // ours may be that of before a load
+
+CableEngine* LineEngine::findCable(int family) const {
+    CableEngine* found = CableEngine::of(theScene(), family);
+    for (CableEngine* other : others)
+        if (!found && other->family == family) found = other;
+    return found;
+}
 
 CableEngine& LineEngine::cable(size_t i) const {
-    CableEngine* found = CableEngine::of(theScene(), families[i]);
-    for (CableEngine* other : others)
-        if (!found && other->family == families[i]) found = other;
+    CableEngine* found = findCable(families[i]);
     if (!found) refuse(placeText(i) + ": there is no such engine in O.engines: put it there, after this one");
     return *found;
 }
@@ -61,6 +68,7 @@ void LineEngine::checkLists() const {
     all.size("flow", flow, n, places);
     all.size("length", length, n - 1, spans);
     all.size("tension", tension, n - 1, spans);
+    all.each("families", families, "that of a CableEngine, or -1 for a body", [](int i) { return i >= -1; });
     all.each("numbers", numbers, "a node or a body", [](int i) { return i >= 0; });
     all.finiteEach("offsets", offsets);
     all.finiteEach("flow", flow);
@@ -72,14 +80,15 @@ void LineEngine::checkLists() const {
     all.need(finite(ea) && ea > 0, "ea", ea, "finite and above 0 [N]");
     all.need(finite(ringRadius) && ringRadius >= 0, "ringRadius", ringRadius, "finite and not below 0 [m]");
     all.need(finite(diameter) && diameter >= 0, "diameter", diameter, "finite and not below 0 [m]");
-    for (const auto& [what, list] :
-         {std::pair("speed", &speed), std::pair("force", &force), std::pair("brake", &brake), std::pair("stop", &stop)})
+    for (const auto& [what, list] : {std::pair("speed", &speed), std::pair("force", &force), std::pair("brake", &brake),
+                                     std::pair("least", &least), std::pair("most", &most)})
         all.size(what, *list, 2, ends);
     all.size("scripted", scripted, 2, ends);
     all.within("scripted", scripted, 0, 2, "no or yes");
     all.finiteEach("speed", speed);
     all.notNegative("force", force);
-    all.notNegative("stop", stop);
+    all.notNegative("least", least);
+    all.each("most", most, "not below 0 [m]", [](Real l) { return l >= 0; });
     all.each("brake", brake, "not below 0 [N]", [](Real b) { return b >= 0; });
     for (size_t end = 0; end < 2; ++end)
         all.need(force[end] <= brake[end], "force", force[end], text("at most the brake's, ", brake[end], " N"));
@@ -96,15 +105,25 @@ void LineEngine::postLoad(LineEngine&) {
     if (!numbers.empty()) checkLists();
 }
 
-// That places exist, and cables go by a step that knows forces at its start.
-void LineEngine::checkPlaces() const {
-    bool found = false;
+// What moves its places comes after it, and nothing in between forgets what it pulls at bodies.
+void LineEngine::checkOrder() const {
+    bool found = false, reset = false;
     for (const auto& engine : theScene().engines) {
+        if (found && engine.get() == this) refuse("stands in O.engines twice: take one of them out");
         found = found || engine.get() == this;
+        reset = reset || (found && engine->getClassName() == "ForceResetter");
         const auto* cables = dynamic_cast<const CableEngine*>(engine.get());
         if (cables && !found && std::find(families.begin(), families.end(), cables->family) != families.end())
             refuse(text("stands behind CableEngine ", cables->family, " in O.engines: put it before it"));
+        if (!dynamic_cast<const NewtonIntegrator*>(engine.get())) continue;
+        if (!found) refuse("stands behind NewtonIntegrator in O.engines: put it before it");
+        if (reset) refuse("stands before ForceResetter in O.engines, which takes away what it pulls: put it behind it");
     }
+}
+
+// That places exist, and cables go by a step that knows forces at its start.
+void LineEngine::checkPlaces() const {
+    checkOrder();
     for (size_t i = 0; i < numbers.size(); ++i) {
         if (families[i] < 0) {
             bodyAt(i);
@@ -116,10 +135,6 @@ void LineEngine::checkPlaces() const {
             refuse(text("CableEngine ", families[i], ".integrator = '", cables.integrator,
                         "' does not know lines: use 'leapfrog'"));
     }
-    for (size_t end = 0; end < 2; ++end)
-        if (scripted[end] && !speeds.has(static_cast<int>(end)))
-            refuse(
-                text("end ", end, ": its speed, a Python function of time, is not saved with a scene: haul() again"));
 }
 
 // ---------------------------------------------------------------- one step
@@ -141,7 +156,7 @@ void LineEngine::makeLine() {
     std::copy(tension.begin(), tension.end(), model->tension);
     std::copy(slides.begin(), slides.end(), model->slides);
     std::copy(friction.begin(), friction.end(), model->friction);
-    for (int end = 0; end < 2; ++end) model->winch[end] = {speed[end], force[end], brake[end], stop[end]};
+    for (int end = 0; end < 2; ++end) model->winch[end] = {speed[end], force[end], brake[end], least[end], most[end]};
 }
 
 void LineEngine::takeState() {
@@ -180,8 +195,10 @@ void LineEngine::askWinches() {
     for (size_t end = 0; end < 2; ++end) {
         if (!scripted[end]) continue;
         const Scene& s = theScene();
-        speed[end] =
-            speeds(static_cast<int>(end), s.time + s.dt, text("LineEngine '", name, "', speed of end ", end ? -1 : 0));
+        const string which = text("speed of end ", end ? -1 : 0);
+        if (!speeds.has(static_cast<int>(end)))
+            refuse(which + ", a Python function of time, is not saved with a scene: haul() again");
+        speed[end] = speeds(static_cast<int>(end), s.time + s.dt, text("LineEngine '", name, "', ", which));
     }
 }
 
@@ -226,16 +243,23 @@ void LineEngine::noteEnergy() {
     tracker.add(drawn - model->drawn, "winchWork", workIx, false);
 }
 
+bool LineEngine::lookDue() const {
+    return checkedIter < 0 || scene->iter < checkedIter || scene->iter >= checkedIter + lookInterval ||
+           scene->dt != checkedStep;
+}
+
 void LineEngine::action() {
     const StepGuard guard;
     throwLate(*scene);
     checkLists();
-    if (scene->iter >= checkedIter + lookInterval || scene->iter < checkedIter || checkedIter < 0) checkPlaces();
+    if (!(finite(scene->dt) && scene->dt > 0)) refuse(text("O.dt = ", scene->dt, " s: must be finite and above 0"));
+    const bool look = lookDue();
+    if (look) checkPlaces();
     askWinches();
     findPlaces();
     makeLine();
     ancf_line_step(model.get(), coordinates(at), scene->dt);
-    if (scene->iter >= checkedIter + lookInterval || scene->iter < checkedIter || checkedIter < 0) checkStep();
+    if (look) checkStep();
     if (scene->trackEnergy) noteEnergy();
     for (size_t i = 0; i < flow.size(); ++i) flow[i] = model->flow[i] / scene->dt;
     takeState();
@@ -245,51 +269,68 @@ void LineEngine::action() {
 
 // ---------------------------------------------------------------- the step
 
-// A place that the line comes to several times answers as often.
+// What a place of a line moves: a knot, or a body or clump.
+std::pair<int, int> LineEngine::moved(const LineEngine& line, size_t i) const {
+    const Scene& s = theScene();
+    const int family = line.families[i], number = line.numbers[i];
+    if (family < 0) return {-1, s.bodies->exists(number) ? movedBody(s, *(*s.bodies)[number]).id : number};
+    const CableEngine* cables = findCable(family);
+    return {family, cables ? cables->tied(number) : number};
+}
+
+// What lines come to several times, this one or others, answers as often.
 vector<Real> LineEngine::inverseMasses() const {
     const size_t n = numbers.size();
     vector<Real> inverse(n);
     std::map<std::pair<int, int>, int> visits;
-    const auto what = [&](size_t i) {
-        return std::pair(families[i], families[i] < 0 ? numbers[i] : cable(i).tied(numbers[i]));
-    };
-    for (size_t i = 0; i < n; ++i) ++visits[what(i)];
+    std::set<const LineEngine*> all(otherLines.begin(), otherLines.end());
+    for (const auto& engine : theScene().engines)
+        if (const auto* line = dynamic_cast<const LineEngine*>(engine.get()); line && !line->dead) all.insert(line);
+    all.insert(this);
+    for (const LineEngine* line : all) {
+        line->checkLists();
+        for (size_t i = 0; i < line->numbers.size(); ++i) ++visits[moved(*line, i)];
+    }
     for (size_t i = 0; i < n; ++i) {
         if (families[i] >= 0) {
             inverse[i] = cable(i).mobilityOfNode(numbers[i]);
         } else {
-            const Body& moved = movedBody(theScene(), bodyAt(i));
-            const Mobility m = mobility(theScene(), moved);
-            const Vector3r arm = Vector3r(at[i][0], at[i][1], at[i][2]) - moved.state->pos;
+            const Body& body = movedBody(theScene(), bodyAt(i));
+            const Mobility m = mobility(theScene(), body);
+            const Vector3r arm = Vector3r(at[i][0], at[i][1], at[i][2]) - body.state->pos;
             inverse[i] = m.inverseMass.maxCoeff() + m.along.squaredNorm() + arm.squaredNorm() * m.inverseInertia.norm();
         }
-        inverse[i] *= visits[what(i)];
+        inverse[i] *= visits[moved(*this, i)];
     }
     return inverse;
 }
 
-void LineEngine::takeOthers(const py::object& cables) {
+// Engines that Python hands over while they are asked for.
+void LineEngine::takeOthers(const py::object& engines) {
     others.clear();
-    for (py::ssize_t i = 0; i < py::len(cables); ++i) {
-        const py::extract<shared_ptr<CableEngine>> engine(cables[i]);
-        if (!engine.check()) throw std::invalid_argument("LineEngine: cables must be CableEngines");
-        others.push_back(engine().get());
+    otherLines.clear();
+    for (py::ssize_t i = 0; i < py::len(engines); ++i) {
+        const py::extract<shared_ptr<CableEngine>> cables(engines[i]);
+        const py::extract<shared_ptr<LineEngine>> line(engines[i]);
+        if (cables.check()) others.push_back(cables().get());
+        else if (line.check()) otherLines.push_back(line().get());
+        else throw std::invalid_argument(text("LineEngine: engines[", i, "] must be a CableEngine or a LineEngine"));
     }
 }
 
-Real LineEngine::criticalTimeStep(const py::object& cables) {
-    ways(cables);
-    takeOthers(cables);
+Real LineEngine::criticalTimeStep(const py::object& engines) {
+    ways(engines);
+    takeOthers(engines);
     const bool rough = std::any_of(friction.begin(), friction.end(), [](Real f) { return f > 0; });
     const Real share = rough && ringRadius > 0 ? 0 : nearer; // stuck spans are as stiff as they are short
     const Real frequency2 = ancf_line_frequency2(model.get(), inverseMasses().data(), share);
     others.clear();
+    otherLines.clear();
     return safety * 2 / std::sqrt(frequency2);
 }
 
 // With the cables' own, as their frequencies add up; in sub-steps they are on their own.
 void LineEngine::checkStep() {
-    checkedIter = scene->iter;
     const Real dt = scene->dt;
     const Real own = 2 / std::sqrt(ancf_line_frequency2(model.get(), inverseMasses().data(), 1));
     Real limit = own;
@@ -298,7 +339,11 @@ void LineEngine::checkStep() {
         const Real cables = CableEngine::of(*scene, family)->criticalTimeStep();
         if (dt <= cables * (1 + 1e-7)) limit = std::min(limit, 1 / std::hypot(1 / own, safety / cables));
     }
-    if (dt <= limit * (1 + 1e-7)) return;
+    if (dt <= limit * (1 + 1e-7)) {
+        checkedIter = scene->iter;
+        checkedStep = dt;
+        return;
+    }
     const Real nearest = *std::min_element(model->way, model->way + model->spans);
     refuse(text("at iteration ", scene->iter, " the step O.dt = ", dt, " s is above the stable one, ", limit,
                 " s, of the line and what it pulls at (its nearest rings are ", nearest,
@@ -332,19 +377,21 @@ int LineEngine::endNumber(int end) const {
     return end ? 1 : 0;
 }
 
-void LineEngine::setWinch(int end, const py::object& newSpeed, Real newForce, Real newBrake, Real newStop) {
+void LineEngine::setWinch(int end, const py::object& newSpeed, Real newForce, Real newBrake, Real newLeast,
+                          Real newMost) {
     const int i = endNumber(end);
-    const auto before = std::tuple(speed, force, brake, stop, scripted);
+    const auto before = std::tuple(speed, force, brake, least, most, scripted);
     const bool script = isFunction(newSpeed);
     speed[i] = script ? 0 : static_cast<Real>(py::extract<Real>(newSpeed));
     force[i] = newForce;
     brake[i] = newBrake;
-    stop[i] = newStop;
+    least[i] = newLeast;
+    most[i] = newMost;
     scripted[i] = script;
     try {
         checkLists();
     } catch (...) {
-        std::tie(speed, force, brake, stop, scripted) = before;
+        std::tie(speed, force, brake, least, most, scripted) = before;
         throw;
     }
     speeds.set(i, script ? newSpeed : py::object());
@@ -362,11 +409,13 @@ string LineEngine::doing(int end) const {
         return "slips";
     default:
         if (speed[i] == 0) return "holds";
-        return std::abs(wholeLength() - stop[i]) <= 1e-9 * stop[i] ? "stopped" : "strains";
+        if (speed[i] < 0) return "stopped";
+        return wholeLength() <= least[i] * (1 + 1e-9) ? "stopped" : "strains";
     }
 }
 
 Real LineEngine::elastic() const {
+    checkLists();
     Real sum = 0;
     for (size_t i = 0; i < length.size(); ++i) sum += tension[i] * tension[i] / ea * length[i] / 2;
     return sum;

@@ -26,7 +26,9 @@ class LineEngine : public GlobalEngine {
     Schedules speeds;
     vector<std::array<Real, 3>> at; // (places) where they are [m]
     vector<CableEngine*> others;    // that are not in O.engines yet, while one asks
-    long checkedIter = -1;          // of the last look at the step
+    vector<const LineEngine*> otherLines;
+    long checkedIter = -1; // of the last look at the step
+    Real checkedStep = 0;  // that was found short enough then [s]
     int elasticIx = -1, frictionIx = -1, workIx = -1;
 
     [[noreturn]] void refuse(const string& text) const;
@@ -35,9 +37,13 @@ class LineEngine : public GlobalEngine {
     CableEngine& cable(size_t i) const;
     const Body& bodyAt(size_t i) const;
     void checkLists() const;
+    void checkOrder() const;
     void checkPlaces() const;
+    bool lookDue() const;
     void checkStep();
-    void takeOthers(const py::object& cables);
+    void takeOthers(const py::object& engines);
+    CableEngine* findCable(int family) const;
+    std::pair<int, int> moved(const LineEngine& line, size_t i) const;
     void makeLine();
     void takeState();
     void findPlaces();
@@ -53,9 +59,9 @@ public:
     void postLoad(LineEngine&);
 
     vector<Real> ways(const py::object& cables);
-    void setWinch(int end, const py::object& newSpeed, Real newForce, Real newBrake, Real newStop);
+    void setWinch(int end, const py::object& newSpeed, Real newForce, Real newBrake, Real newLeast, Real newMost);
     string doing(int end) const;
-    Real criticalTimeStep(const py::object& cables);
+    Real criticalTimeStep(const py::object& engines);
     vector<Vector3r> points();
     Real elastic() const;
     Real wholeLength() const;
@@ -81,7 +87,8 @@ public:
         ((vector<Real>, speed, , Attr::triggerPostLoad, "Speeds at which the two ends draw in, below 0: let out [m/s]."))
         ((vector<Real>, force, , Attr::triggerPostLoad, "Tensions up to which they draw [N]."))
         ((vector<Real>, brake, , Attr::triggerPostLoad, "Tensions up to which they hold [N]; infinity: whatever comes."))
-        ((vector<Real>, stop, , Attr::triggerPostLoad, "Unstressed length of the whole line at which they stop [m]."))
+        ((vector<Real>, least, , Attr::triggerPostLoad, "Unstressed length of the whole line at which they stop to draw in [m]."))
+        ((vector<Real>, most, , Attr::triggerPostLoad, "Unstressed length of the whole line at which they stop to let out by their speed [m]; infinity: never."))
         ((vector<int>, scripted, , Attr::readonly, "1 where the speed is a Python function of time."))
         ((Real, rubbed, 0, Attr::readonly, "Work of friction at the rings so far [J]."))
         ((Real, drawn, 0, Attr::readonly, "Work of the winches on the line so far, less the elastic energy of what they wound up [J]."))
@@ -93,9 +100,9 @@ public:
         .add_property("wholeLength", &LineEngine::wholeLength, "Unstressed length of all spans [m].")
         .def("ways", &LineEngine::ways, (py::arg("cables") = py::tuple()), "Ways of the spans where the places are now [m]. cables: CableEngines that are not in O.engines yet.")
         .def("points", &LineEngine::points, "Where the places are now [m].")
-        .def("setWinch", &LineEngine::setWinch, (py::arg("end"), py::arg("speed"), py::arg("force"), py::arg("brake"), py::arg("stop")), "What an end, 0 or -1, does. speed: a number or a function of time. ValueError on bad values.")
+        .def("setWinch", &LineEngine::setWinch, (py::arg("end"), py::arg("speed"), py::arg("force"), py::arg("brake"), py::arg("least"), py::arg("most")), "What an end, 0 or -1, does. speed: a number or a function of time. ValueError on bad values.")
         .def("doing", &LineEngine::doing, (py::arg("end")), "What an end, 0 or -1, did in the last step: 'holds', 'draws', 'lets out', 'strains', 'slips' or 'stopped'.")
-        .def("criticalTimeStep", &LineEngine::criticalTimeStep, (py::arg("cables") = py::tuple()), "Stable step of the line on what it pulls at, those bodies being free otherwise [s].")
+        .def("criticalTimeStep", &LineEngine::criticalTimeStep, (py::arg("engines") = py::tuple()), "Stable step of the line on what it and other lines pull at, those bodies being free otherwise [s]. engines: CableEngines and LineEngines that are not in O.engines yet.")
         .def(Guarded())
     )
     // clang-format on

@@ -188,7 +188,7 @@ static void purse(void** state) {
     }
     memcpy(s.x[N], s.x[0], sizeof s.x[0]);
     lay(&s, N, 5e3, 0.0, 20.0);
-    s.line->winch[1] = (ancf_winch) {1e3, 20.0, INFINITY, 0.0};
+    s.line->winch[1] = (ancf_winch) {1e3, 20.0, INFINITY, 0.0, INFINITY};
     const double pull = 2.0 * 20.0 * sin(pi / N) / 0.2, dt = 1e-4, end = 0.15, before = energy(&s);
     for (int i = 0; i < 1500; ++i) move(&s, dt);
     const double radius = 1.0 - pull * end * end / 2;
@@ -218,7 +218,7 @@ static void winches(void** state) {
     (void)state;
     // At constant speed the tension is the weight and the load goes at that speed, stretched material and all.
     scene s = hoist(2.0, 1e6);
-    s.line->winch[0] = (ancf_winch) {1.5, 100.0, 200.0, 4.0};
+    s.line->winch[0] = (ancf_winch) {1.5, 100.0, 200.0, 4.0, INFINITY};
     s.v[1][2] = 1.5 * (1.0 + 2.0 * 9.81 / 1e6);
     for (int i = 0; i < 20000; ++i) move(&s, 1e-4);
     assert_close(s.line->tension[0], 2.0 * 9.81, 1e-3);
@@ -230,20 +230,46 @@ static void winches(void** state) {
     // It stops where it is told to.
     s = hoist(2.0, 1e4);
     const double whole = ancf_line_length(s.line);
-    s.line->winch[0] = (ancf_winch) {1.0, 1e3, 1e4, 9.0};
+    s.line->winch[0] = (ancf_winch) {1.0, 1e3, 1e4, 9.0, INFINITY};
     for (int i = 0; i < 15000; ++i) move(&s, 1e-4);
     assert_close(ancf_line_length(s.line), 9.0, 1e-12);
     assert_int_equal(s.line->slides[0], ANCF_HOLDS);
     // And lets out again, up to a length.
-    s.line->winch[0] = (ancf_winch) {-0.5, 1e3, 1e4, 9.25};
+    s.line->winch[0] = (ancf_winch) {-0.5, 1e3, 1e4, 0.0, 9.25};
     for (int i = 0; i < 10000; ++i) move(&s, 1e-4);
     assert_close(ancf_line_length(s.line), 9.25, 1e-12);
     assert_near(whole > 9.25, 1, 0);
     ancf_line_destroy(s.line);
 
+    // Let out at a speed below its brake's tension; above, the brake holds back until it falls no faster than that.
+    s = hoist(2.0, 1e4);
+    s.line->winch[0] = (ancf_winch) {-0.5, 0.0, 30.0, 0.0, INFINITY};
+    s.v[1][2] = -3.0;
+    const double braked = (3.0 - 0.5) / (30.0 / 2.0 - 9.81); // [s], but for what the line stretches
+    double most = 0.0;
+    for (int i = 0; i < 20000; ++i) {
+        move(&s, 1e-4);
+        most = fmax(most, s.line->tension[0]);
+        if (i == (int)(0.5 * braked / 1e-4)) assert_close(s.v[1][2], -(3.0 + 0.5) / 2, 0.02);
+    }
+    assert_close(most, 30.0, 1e-9);
+    assert_int_equal(s.line->slides[0], ANCF_DRAWS);
+    const double out = 1.0 + (3.0 - 0.5) / 2 * braked; // 2 s at its speed, and what slips
+    assert_near(ancf_line_length(s.line), 10.0 / (1.0 + 2.0 * 9.81 / 1e4) + out, 0.02);
+    assert_int_equal(s.line->unsettled, 0);
+    ancf_line_destroy(s.line);
+
+    // Where its speed changes its sign it lets out, wherever it would stop to draw in.
+    s = hoist(2.0, 1e4);
+    const double before_it = ancf_line_length(s.line);
+    s.line->winch[0] = (ancf_winch) {-0.5, 1e3, 1e4, 1.0, INFINITY};
+    for (int i = 0; i < 1000; ++i) move(&s, 1e-4);
+    assert_close(ancf_line_length(s.line), before_it + 0.05, 1e-12);
+    ancf_line_destroy(s.line);
+
     // Too heavy a weight: it strains, and moves nothing.
     s = hoist(2.0, 1e4);
-    s.line->winch[0] = (ancf_winch) {1.0, 15.0, 1e4, 0.0};
+    s.line->winch[0] = (ancf_winch) {1.0, 15.0, 1e4, 0.0, INFINITY};
     for (int i = 0; i < 1000; ++i) move(&s, 1e-4);
     assert_near(s.x[1][2], -10.0, 1e-9);
     assert_near(s.line->drawn, 0.0, 0.0);
@@ -262,12 +288,40 @@ static void winches(void** state) {
 
     // At its force it lifts with F - m g.
     s = hoist(2.0, 1e4);
-    s.line->winch[0] = (ancf_winch) {1e3, 25.0, 100.0, 0.0};
+    s.line->winch[0] = (ancf_winch) {1e3, 25.0, 100.0, 0.0, INFINITY};
     s.line->tension[0] = 25.0;
     s.line->length[0] = 10.0 / (1.0 + 25.0 / 1e4);
     for (int i = 0; i < 10000; ++i) move(&s, 1e-4);
     assert_close(s.v[1][2], 25.0 / 2.0 - 9.81, 1e-9);
     ancf_line_destroy(s.line);
+}
+
+// Two winches that pull a line between them, over rings that stand still.
+static void tug(void** state) {
+    (void)state;
+    scene s = {.same = -1};
+    for (int i = 0; i < 4; ++i) s.x[i][0] = i;
+    for (double speed = 0.1; speed < 1e4; speed *= 10.0) {
+        lay(&s, 3, 1e3, 0.0, 0.0);
+        ancf_line* l = s.line;
+        const double(*x)[3] = (const double(*)[3])s.x;
+        // The stronger one draws what the other's brake lets out.
+        l->winch[0] = (ancf_winch) {speed, 20.0, INFINITY, 0.0, INFINITY};
+        l->winch[1] = (ancf_winch) {speed, 10.0, 15.0, 0.0, INFINITY};
+        for (int i = 0; i < 2000; ++i) ancf_line_step(l, x, 1e-3);
+        assert_close(l->tension[1], 15.0, 1e-9);
+        assert_int_equal(l->slides[0], ANCF_DRAWS);
+        assert_int_equal(l->slides[3], ANCF_SLIPS);
+        assert_close(l->flow[0], -1e-3 * speed, 1e-12);
+        // Held by the other, it strains at its own force.
+        l->winch[1].brake = INFINITY;
+        for (int i = 0; i < 2000; ++i) ancf_line_step(l, x, 1e-3);
+        assert_close(l->tension[1], 20.0, 1e-9);
+        assert_int_equal(l->slides[0], ANCF_STRAINS);
+        assert_int_equal(l->slides[3], ANCF_HOLDS);
+        assert_int_equal(l->unsettled, 0);
+        ancf_line_destroy(l);
+    }
 }
 
 // Anything at random: length is kept but for what drums take, friction takes and never gives, tensions stay within
@@ -293,7 +347,7 @@ static void whatever_happens(void** state) {
             if (random_unit(&seed) < 0.4) {
                 w->speed = random_between(&seed, -1.0, 1.0);
                 w->force = fmin(w->brake, random_between(&seed, 1.0, 50.0));
-                w->stop = w->speed > 0.0 ? 0.2 * n * 0.02 : 1e3;
+                w->least = 0.2 * n * 0.02;
             }
         }
         const double first = energy(&s);
@@ -382,7 +436,7 @@ static void frequencies(void** state) {
             s.mass[i] = 1.0; // symmetric, as power iteration likes it
             inverse[i] = 1.0;
         }
-        lay(&s, n, 1e3, 0.01, 10.0);
+        lay(&s, n, 1e3, 0.01, run % 2 ? 10.0 : 2e3); // stretched to thrice its length, it swings across as fast
         for (int rough = 0; rough < 2; ++rough) {
             for (int i = 1; i < n; ++i) s.line->friction[i] = rough ? 5.0 : 0.0;
             const double bound = ancf_line_frequency2(s.line, inverse, 1.0), true_one = largest(&s, n);
@@ -393,11 +447,39 @@ static void frequencies(void** state) {
     }
 }
 
+// Of ways that may become a quarter of what they are: that of places four times as near.
+static void frequencies_of_nearer_places(void** state) {
+    (void)state;
+    const double inverse[4] = {1.0, 2.0, 0.5, 3.0};
+    for (int rough = 0; rough < 2; ++rough) {
+        scene s = {.same = -1, .x = {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 1}}};
+        lay(&s, 3, 1e3, 0.0, 10.0);
+        for (int i = 1; i < 3; ++i) s.line->friction[i] = 0.2 * rough;
+        const double before = ancf_line_frequency2(s.line, inverse, 0.25);
+        for (int i = 0; i < 4; ++i)
+            for (int c = 0; c < 3; ++c) s.x[i][c] *= 0.25;
+        ancf_line_lay(s.line, (const double(*)[3])s.x);
+        assert_close(before, ancf_line_frequency2(s.line, inverse, 1.0), 1e-12);
+        s.line->radius = 1.0; // no way is shorter than that of rings that meet
+        ancf_line_lay(s.line, (const double(*)[3])s.x);
+        for (int i = 0; i < 3; ++i) s.line->way[i] = 1.0;
+        assert_close(ancf_line_frequency2(s.line, inverse, 0.0), ancf_line_frequency2(s.line, inverse, 1.0), 1e-12);
+        ancf_line_destroy(s.line);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bad_lines_are_refused), cmocka_unit_test(capstan),     cmocka_unit_test(atwood),
-        cmocka_unit_test(atwood_sticks),         cmocka_unit_test(purse),       cmocka_unit_test(winches),
-        cmocka_unit_test(whatever_happens),      cmocka_unit_test(frequencies),
+        cmocka_unit_test(bad_lines_are_refused),
+        cmocka_unit_test(capstan),
+        cmocka_unit_test(atwood),
+        cmocka_unit_test(atwood_sticks),
+        cmocka_unit_test(purse),
+        cmocka_unit_test(winches),
+        cmocka_unit_test(tug),
+        cmocka_unit_test(whatever_happens),
+        cmocka_unit_test(frequencies),
+        cmocka_unit_test(frequencies_of_nearer_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

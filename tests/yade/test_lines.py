@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 
+import random_lines  # first: sets the number of threads
 import ancf
-from helpers import material, runTo
-from yade import O, Vector3, utils
+from helpers import bodyEngines, material
+from outcomes import FAULTS
+from yade import O, Quaternion, Vector3, utils
 
 G = 9.81
 
@@ -165,6 +167,20 @@ def test_purse_keeps_energy_and_momentum(friction, model):
         assert line.energy()["friction"] == pytest.approx(0, abs=1e-9 * scale)
 
 
+@pytest.mark.parametrize("substeps", [1, 4])
+def test_sub_steps_keep_momenta(substeps):
+    """The whole pull where the line found the knots: nothing turns them together."""
+    hoop, line = purse(friction=0.1, model="ancf", ringRadius=0.02, tension=5.0)
+    hoop.setVelocity(lambda p: Vector3(0.3 - 2 * p[1], -0.2 + 2 * p[0], 1))
+    O.engines = ancf.engines(hoop, line, substeps=substeps)
+    line.haul(4.0, 30.0)
+    before = hoop.engine.momentum()
+    for _ in range(2000):
+        O.step()
+    for one, other in zip(before, hoop.engine.momentum()):
+        assert (other - one).norm() < 1e-11 * one.norm()
+
+
 def test_energy_error_is_of_second_order():
     errors = []
     for part in (1, 2):
@@ -192,6 +208,7 @@ def test_pulls_on_a_body_off_its_centre():
     box = O.bodies.append(utils.box((0, 0, 0), (0.2, 0.1, 0.1), material="cord"))
     O.bodies[box].state.mass = 1.0
     O.bodies[box].state.inertia = Vector3(0.02, 0.05, 0.06)
+    O.bodies[box].state.ori = Quaternion((0, 0, 1), 2.5)
     line = ancf.Line([(box, (0.2, 0.1, 0.1)), (cable, 1)], diameter=1e-3, material="cord")
     O.engines = ancf.engines(cable, line)
     line.haul(0.5, 5.0)
@@ -266,6 +283,178 @@ def test_speed_as_a_function_of_time():
     assert line.energy()["winches"] == pytest.approx(lifted, rel=1e-3)
 
 
+def test_a_speed_of_either_sign():
+    """haul() with a function of time draws in and lets out: what is out goes with its integral."""
+    weight, hook = ball((0, 0, 0), 2), ball((0, 0, 3), 1, fixed=True)
+    line = ancf.Line([hook, weight], diameter=2e-3, material="cord", tension=2 * G, ringRadius=0)
+    O.engines = ancf.engines(strand(), line, gravity=(0, 0, -G))
+    line.haul(lambda t: 0.5 * math.sin(20 * t), 1e4, end=0, brake=2e4)
+    out = line.length
+    while O.time < 0.26:  # the sine is below 0 from 0.157 s on
+        O.step()
+    assert line.winch(0) == "lets out"
+    drawn = 0.5 * (1 - math.cos(20 * O.time)) / 20
+    assert out - line.length == pytest.approx(
+        drawn, abs=0.5 * O.dt
+    )  # speeds are those of step ends
+
+
+def test_lets_out_with_a_brake():
+    """At its speed while the tension is below the brake's, and not by fits and starts."""
+    weight, hook = ball((0, 0, 0), 2), ball((0, 0, 1), 1, fixed=True)
+    line = ancf.Line([hook, weight], diameter=2e-3, material="cord", tension=2 * G, ringRadius=0)
+    O.engines = ancf.engines(strand(), line, gravity=(0, 0, -G))
+    O.bodies[weight].state.vel = Vector3(0, 0, -2)
+    line.payOut(0.5, brake=30, end=0)
+    braked = (2 - 0.5) / (30 / 2 - G)
+    done, most = set(), 0.0
+    while O.time < 0.8 * braked:
+        O.step()
+        most = max(most, line.tensions[0])
+        done.add(line.winch(0))
+    assert O.bodies[weight].state.vel[2] == pytest.approx(-2 + 0.8 * 1.5, abs=0.02)
+    assert most == pytest.approx(30, rel=1e-9) and "slips" in done
+    while O.time < 2 * braked:
+        O.step()
+        done.add(line.winch(0))
+    assert O.bodies[weight].state.vel[2] == pytest.approx(-0.5, abs=0.2)
+    assert done == {"slips", "lets out"}
+    assert line.engine.unsettled == 0
+
+
+def gantry(n, height=2):
+    """n fixed cables beside each other, so many metres above the origin: no bodies to meet."""
+    cables = []
+    for i in range(n):
+        x = 0.02 * (i - (n - 1) / 2)
+        points = [(x, 0, height), (x, 0, 2 * height)]
+        cables.append(
+            ancf.Cable(points, 1, diameter=2e-2, material="cord", model="springs", contactPoints=0)
+        )
+        cables[-1].fix(0)
+        cables[-1].fix(1)
+    return cables
+
+
+def test_step_of_several_lines_at_one_body():
+    """Each makes what they pull at stiffer: n times as many allow 1/sqrt(n) of the step, and it swings
+    no faster than at first.
+    """
+    steps = []
+    for n in (1, 4):
+        O.reset()
+        material("cord", young=2e9, density=1100)
+        weight = ball((0, 0, 0), 0.02)
+        cables = gantry(n) + gantry(n, -2)
+        lines = [
+            ancf.Line(
+                [(cable, 0), weight], diameter=2e-2, material="cord", tension=100, label=f"{i}"
+            )
+            for i, cable in enumerate(cables)
+        ]
+        O.engines = ancf.engines(*cables, *lines)
+        O.bodies[weight].state.vel = Vector3(0, 0, 1e-3)
+        for _ in range(500):
+            O.step()
+            assert O.bodies[weight].state.vel.norm() < 3e-3
+        steps.append(O.dt)
+        assert lines[0].criticalTimeStep() == pytest.approx(O.dt, rel=0.05)
+    assert steps[1] == pytest.approx(steps[0] / 2, rel=0.05)
+
+
+def test_between_what_is_held():
+    """Nothing moves, so that it allows any step."""
+    cable = strand()
+    line = ancf.Line(
+        [ball((x, 0, 0), 1, fixed=True) for x in (0, 1)], diameter=2e-3, material="cord"
+    )
+    O.engines = ancf.engines(cable, line)
+    assert line.criticalTimeStep() == math.inf
+    assert O.dt > 0
+    O.step()
+
+
+def test_a_step_that_is_refused_stays_so():
+    """When it is tried again, and at once when O.dt is changed."""
+    weight = ball((0, 0, 0), 0.02)
+    cables = gantry(1)
+    line = ancf.Line([(cables[0], 0), weight], diameter=2e-2, material="cord", ringRadius=0.01)
+    O.engines = ancf.engines(*cables, line, gravity=(0, 0, -G))
+    for _ in range(5):
+        O.step()
+    O.dt *= 3
+    for _ in range(3):
+        with pytest.raises(RuntimeError, match="is above the stable one"):
+            O.step()
+    assert O.iter == 5
+    O.dt /= 3
+    O.step()
+
+
+def test_place_in_engines():
+    """Where nothing would feel it, it is told."""
+
+    def hung():
+        O.reset()
+        material("cord", young=2e9, density=1100)
+        hook, weight = ball((0, 0, 1), 1, fixed=True), ball((0, 0, 0), 2)
+        line = ancf.Line([hook, weight], diameter=2e-3, material="cord")
+        O.engines = ancf.engines(strand(), line, gravity=(0, 0, -G))
+        rest = [e for e in O.engines if e is not line.engine and not hasattr(e, "ringRadius")]
+        return rest, line.engine
+
+    for place, told in (
+        (lambda rest, e: [e, *rest], "before ForceResetter"),
+        (lambda rest, e: [*rest, e], "behind NewtonIntegrator"),
+        (lambda rest, e: [*rest[:-2], e, e, *rest[-2:]], "in O.engines twice"),
+    ):
+        O.engines = place(*hung())
+        with pytest.raises(RuntimeError, match=f"LineEngine 'Line': stands {told}"):
+            O.step()
+
+
+def test_without_cables():
+    """In a scene of bodies alone it goes into O.engines as well."""
+    hook, weight = ball((0, 0, 1), 1, fixed=True), ball((0, 0, 0), 2)
+    O.engines = bodyEngines(gravity=(0, 0, -G))
+    O.dt = 1e-5
+    line = ancf.Line([hook, weight], diameter=2e-3, material="cord", tension=2 * G).append()
+    for _ in range(1000):
+        O.step()
+    assert O.bodies[weight].state.pos[2] == pytest.approx(0, abs=1e-6)
+    with pytest.raises(RuntimeError, match="O.dt = 0 s: must be finite and above 0"):
+        O.dt = 0
+        O.step()
+    O.dt = 1e-5
+    O.step()
+
+
+def test_the_scene_goes_away():
+    hook, weight = ball((0, 0, 1), 1, fixed=True), ball((0, 0, 0), 2)
+    line = ancf.Line([hook, weight], diameter=2e-3, material="cord")
+    O.engines = ancf.engines(strand(), line, gravity=(0, 0, -G))
+    O.step()
+    O.bodies.erase(weight)
+    for read in (lambda: line.points, lambda: line.velocities, line.criticalTimeStep, O.step):
+        with pytest.raises(RuntimeError, match=r"place 1 \(body 1\) was erased"):
+            read()
+    engine = line.engine
+    O.reset()
+    with pytest.raises(RuntimeError, match=r"place 0 \(body 0\) was erased"):
+        engine.points()
+    material("cord", young=2e9, density=1100)
+    ball((7, 0, 0), 1), ball((8, 0, 0), 1)
+    assert [p[0] for p in engine.points()] == [7, 8]  # those of the scene that is there
+
+
+def test_random_scenes(scene):
+    """The first few of those that random_lines.py runs by the hundred."""
+    ends = [random_lines.scene(seed, 600)[0] for seed in range(20)]
+    O.trackEnergy = False
+    assert not set(ends) & set(FAULTS)
+    assert ends.count("sound") > 15
+
+
 def test_saved_to_the_last_bit(tmp_path):
     def run(steps):
         for _ in range(steps):
@@ -319,6 +508,11 @@ def test_texts():
         ancf.Line([(hoop, 0)], diameter=1e-3, material="cord")
     with pytest.raises(ValueError, match=r"places\[0\] and \[1\] are the same place"):
         ancf.Line([(hoop, 0), (hoop, 0)], diameter=1e-3, material="cord")
+    other = ancf.Cable([(1, 0, 0), (2, 0, 0)], diameter=1e-3, material="cord").append()
+    with pytest.raises(
+        ValueError, match=r"places\[0\] and \[1\] are at one point: give ringRadius"
+    ):
+        ancf.Line([(hoop, 0), (other, 0)], diameter=1e-3, material="cord", ringRadius=0).append()
     with pytest.raises(TypeError, match=r"places\[1\] = 'x': must be \(cable or net, knot\)"):
         ancf.Line([(hoop, 0), "x"], diameter=1e-3, material="cord")
     with pytest.raises(

@@ -79,7 +79,8 @@ class Line:
         return next((e for e in lineEngines() if e.line == self._number), self._engine)
 
     def append(self):
-        """Puts a LineEngine into O.engines, before the CableEngines that are there. Returns self.
+        """Puts a LineEngine into O.engines, before the CableEngines and the NewtonIntegrator that are
+        there. Returns self.
 
         The cables and nets that it runs through must have been appended. ValueError for a length that
         is shorter than its way, RuntimeError if it was appended before.
@@ -105,19 +106,26 @@ class Line:
             speed=[0.0, 0.0],
             force=[0.0, 0.0],
             brake=[math.inf, math.inf],
-            stop=[0.0, 0.0],
+            least=[0.0, 0.0],
+            most=[math.inf, math.inf],
             scripted=[0, 0],
         )
         cables = {w.engine.family: w.engine for w, _ in self.places if isinstance(w, Structure)}
         ways = np.array(engine.ways(list(cables.values())))
+        for i in np.flatnonzero(ways == 0):
+            raise ValueError(
+                f"{self.name}.places[{i}] and [{i + 1}] are at one point: give ringRadius above 0, or "
+                "take one of them out"
+            )
         strain = ways.sum() / self._unstressed(ways.sum()) - 1
         engine.length = list(ways / (1 + strain))
         engine.tension = [max(0.0, self._ea * strain)] * (n - 1)
         self._engine, self._number = engine, engine.line
         engines = list(O.engines)
-        cables = [i for i, e in enumerate(engines) if isinstance(e, wrapper.CableEngine)]
-        if cables:
-            O.engines = engines[: cables[0]] + [engine] + engines[cables[0] :]
+        movers = wrapper.CableEngine, wrapper.NewtonIntegrator
+        first = next((i for i, e in enumerate(engines) if isinstance(e, movers)), None)
+        if first is not None:
+            O.engines = engines[:first] + [engine] + engines[first:]
         return self
 
     def _resolved(self, i):
@@ -165,8 +173,8 @@ class Line:
         speed   unstressed length a time [m/s], or a function of the time; where it is below 0, the
                 winch lets out
         force   tension at most [N]: beyond, it draws more slowly, or strains without moving
-        to      unstressed length of the whole line at which it stops [m]; None: when all rings are
-                drawn together
+        to      unstressed length of the whole line at which it stops to draw in [m]; None: when all
+                rings are drawn together
         brake   tension above which its drum slips and lets out [N]
         end     0: at the first place, -1: at the last
 
@@ -183,7 +191,8 @@ class Line:
                     f"the line has {engine.wholeLength:.6g} m left: there is nothing to draw in"
                 )
                 values.refuse(f"{self.name}.haul: to", to, remedy)
-        engine.setWinch(self._end("haul", end), speed, force, self._brake("haul", brake, force), to)
+        brake = self._brake("haul", brake, force)
+        engine.setWinch(self._end("haul", end), speed, force, brake, to, math.inf)
 
     def payOut(self, speed, to=math.inf, brake=math.inf, end=-1):
         """Lets a winch at an end let the line out at a speed [m/s], until the whole line has an
@@ -191,17 +200,18 @@ class Line:
         """
         engine = self._needEngine("payOut")
         speed = values.positive(f"{self.name}.payOut: speed", speed, "m/s")
-        to = 1e99 if to == math.inf else values.positive(f"{self.name}.payOut: to", to, "m")
+        to = to if to == math.inf else values.positive(f"{self.name}.payOut: to", to, "m")
         if to <= engine.wholeLength:
             remedy = f"the line has {engine.wholeLength:.6g} m out already"
             values.refuse(f"{self.name}.payOut: to", to, remedy)
         brake = self._brake("payOut", brake, 0.0)
-        engine.setWinch(self._end("payOut", end), -speed, 0.0, brake, to)
+        engine.setWinch(self._end("payOut", end), -speed, 0.0, brake, 0.0, to)
 
     def hold(self, brake=math.inf, end=-1):
         """Lets the winch at an end hold what it has, up to the tension of its brake [N]."""
         engine = self._needEngine("hold")
-        engine.setWinch(self._end("hold", end), 0.0, 0.0, self._brake("hold", brake, 0.0), 0.0)
+        brake = self._brake("hold", brake, 0.0)
+        engine.setWinch(self._end("hold", end), 0.0, 0.0, brake, 0.0, math.inf)
 
     def winch(self, end=-1):
         """What an end did in the last step: 'holds', 'draws', 'lets out', 'strains' (its force is not
@@ -257,6 +267,7 @@ class Line:
     def velocities(self):
         """Velocities of its places, (n + 1, 3) numpy [m/s]."""
         engine = self._needEngine("velocities")
+        engine.points()  # tells what was erased
         nodes = {e.family: np.array(e.velocity).reshape(3, -1) for e in cableEngines()}
         cables = {e.family: e for e in cableEngines()}
         found = []

@@ -291,10 +291,12 @@ def timeStep(engines=None, speed=None, law=None, lines=None):
         divides = engine.integrator == "leapfrog" and not engine.coupled
         inside = max(1, engine.substeps) if divides else 1
         steps.append(inside * engine.criticalTimeStep())
-    for line in lineEngines() if lines is None else lines:
-        own = line.criticalTimeStep(engines)
+    lines = lineEngines() if lines is None else lines
+    for line in lines:
+        own = line.criticalTimeStep([*engines, *lines])
         pulled = [e.criticalTimeStep() for e in engines if e.family in line.families]
-        steps.append(sum(1 / step**2 for step in [own, *pulled]) ** -0.5)  # frequencies add up
+        rate2 = sum(1 / step**2 for step in [own, *pulled])  # frequencies add up
+        steps.append(rate2**-0.5 if rate2 else math.inf)
     return min(steps)
 
 

@@ -16,9 +16,9 @@ static const struct {
     const char* name;
     void (*run)(fuzz*);
     double share;
-} kinds[] = {{"laws", fuzz_laws, 0.2},   {"groove", fuzz_groove, 0.1}, {"places", fuzz_places, 0.15},
-             {"model", fuzz_model, 0.3}, {"table", fuzz_table, 0.15},  {"crossed", fuzz_crossed, 0.07},
-             {"rest", fuzz_rest, 0.03}};
+} kinds[] = {{"laws", fuzz_laws, 0.2},    {"groove", fuzz_groove, 0.1}, {"places", fuzz_places, 0.15},
+             {"model", fuzz_model, 0.25}, {"table", fuzz_table, 0.15},  {"crossed", fuzz_crossed, 0.07},
+             {"rest", fuzz_rest, 0.03},   {"line", fuzz_line, 0.05}};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
 // Shared by parent and child.

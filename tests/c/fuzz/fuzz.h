@@ -28,6 +28,7 @@ void fuzz_model(fuzz* f);   // built or refused, stepped, read
 void fuzz_table(fuzz* f);   // contacts through steps
 void fuzz_crossed(fuzz* f); // boxes, pairs, contacts of cables with cables
 void fuzz_rest(fuzz* f);    // equilibrium, alone and on obstacles
+void fuzz_line(fuzz* f);    // lines through rings
 
 static inline bool by_chance(fuzz* f, double chance) { return random_unit(&f->seed) < chance; }
 

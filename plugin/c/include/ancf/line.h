@@ -17,7 +17,8 @@ typedef struct {
     double speed; // unstressed length a time [m/s]
     double force; // [N], at most `brake`
     double brake; // [N]; INFINITY: holds whatever comes
-    double stop;  // unstressed length of the whole line at which it stops [m]
+    double least; // unstressed length of the whole line at which it stops to draw in [m]
+    double most;  // and to let out by its speed [m]; INFINITY: never
 } ancf_winch;
 
 // What an end does.
