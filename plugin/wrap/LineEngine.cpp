@@ -29,7 +29,7 @@ void LineEngine::refuse(const string& why) const { throw std::runtime_error(text
 string LineEngine::placeText(size_t i) const {
     const string what =
         families[i] < 0 ? text("body ", numbers[i]) : text("node ", numbers[i], " of CableEngine ", families[i]);
-    return text("place ", i, " (", what, ")");
+    return text("place ", i, " of families and numbers (", what, ")");
 }
 
 Scene& LineEngine::theScene() const { return *Omega::instance().getScene(); } // ours may be that of before a load
@@ -58,7 +58,7 @@ const Body& LineEngine::bodyAt(size_t i) const {
 void LineEngine::checkLists() const {
     const Attributes all("LineEngine");
     const size_t n = numbers.size();
-    const string places = text("one for each of ", n, " places"), spans = "one for each span",
+    const string places = text("one for each of ", n, " numbers"), spans = "one for each span",
                  ends = "one for each end";
     all.need(n >= 2, "numbers", n, "those of two places at least");
     all.size("families", families, n, places);
@@ -76,7 +76,7 @@ void LineEngine::checkLists() const {
     all.finiteEach("leftTorque", leftTorque);
     all.notNegative("friction", friction);
     all.notNegative("tension", tension);
-    all.each("length", length, "finite and above 0 [m]", [](Real l) { return finite(l) && l > 0; });
+    all.each("length", length, "finite and at least 1e-9 [m]", [](Real l) { return finite(l) && l >= 1e-9; });
     all.need(finite(ea) && ea > 0, "ea", ea, "finite and above 0 [N]");
     all.need(finite(ringRadius) && ringRadius >= 0, "ringRadius", ringRadius, "finite and not below 0 [m]");
     all.need(finite(diameter) && diameter >= 0, "diameter", diameter, "finite and not below 0 [m]");

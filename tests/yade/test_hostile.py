@@ -243,6 +243,10 @@ LEGAL = {
     ("most", INF),
     ("most", HUGE),
     ("speed", "nan"),
+    ("brake", INF),
+    ("brake", HUGE),
+    ("most", INF),
+    ("most", HUGE),
     ("clampedEnds", "[]"),
     ("fixedNodes", "[]"),
 }
