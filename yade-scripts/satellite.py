@@ -94,7 +94,7 @@ class Mission:
             mass="lumped",
             normal=(1, 0, 0),
             fold=0.15,
-            selfContact=False,
+            contactPoints=1,
         )
         self.net.addBullets(angle=np.radians(ANGLE), **BULLETS)
         rim = self.net.rim

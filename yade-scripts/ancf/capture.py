@@ -255,6 +255,7 @@ class Capture:
         self.look()
         since, until = self.embraced or (None, None)
         share = self.share
+        tight = None if since is None else float(share[self.time.index(self.tightest)])
         own = {
             "open_s": self.open,
             "mouth_open_m2": self.mouth[self.time.index(self.open)],
