@@ -214,7 +214,8 @@ class Run:
             print(f"{what:21}{when}")
         row = self.capture.row()
         total = np.array(self.energy[1:])  # tracked from the first step on
-        balance = np.abs(total / total[0] - 1).max()
+        work = self.line.energy()["winches"] if self.line else 0.0
+        balance = np.abs(total - total[0]).max() / (total[0] + work)
         step = 1e6 * self.wall / O.iter
         print(
             f"at the end           {4 * row['beyond_end']:.0f} of 4 bullets beyond the ball's centre, "
@@ -235,7 +236,8 @@ class Run:
         print(
             f"deepest penetration  {self.penetration:.3g} m of {ASSUMED['diameter']:g} m diameter"
         )
-        print(f"energy balance       within {balance:.1e} of the energy at the start")
+        given = "of the energy at the start" + (" and the winch's work" if self.line else "")
+        print(f"energy balance       within {balance:.1e} {given}")
         print(f"step                 {O.dt:.3g} s, {O.iter} steps, {step:.1f} us each")
         print(f"wall time            {self.wall:.2f} s for {O.time:.2f} s simulated")
         print(f"=> {self.verdict}", flush=True)

@@ -38,6 +38,10 @@ CLOSED = 0.25  # part of the rim's length to which it draws the line
 HELD = 0.25  # mouth, and share of the satellite that is not enclosed, at most
 BURN, THRUST, BURNING = 3.0, 2.0, 60.0  # start [s], force [N] and duration [s] of the towing
 TETHER = 2.6  # unstressed length [m]
+CATCHING, TOWING = (
+    0.25,
+    0.5,
+)  # steps, in those of ancf.engines: panels and edges hit hard, and it is a long way
 SAMPLE = 0.01  # [s]; when towing five times as much
 
 
@@ -118,7 +122,7 @@ class Mission:
             label="tether",
         )
         O.engines = ancf.engines(self.net, self.line, self.tether)
-        O.dt *= 0.5  # contacts that last for a minute lose less
+        O.dt *= CATCHING
         ancf.check()
         self.capture = Capture(self.net, self.satellite)
         self.rows, self.closing, self.burning = [], None, None
@@ -134,6 +138,7 @@ class Mission:
             self.burning = O.time
             self.twisted = self.net.engine.twistLeft
             O.forces.setPermF(self.chaser, Vector3(-THRUST, 0, 0))
+            O.dt *= TOWING / CATCHING
 
     # ---- measures --------------------------------------------------------------------------------
 
