@@ -543,3 +543,15 @@ def test_order_of_engines_and_steps_are_checked():
     O.dt *= 20
     with pytest.raises(RuntimeError, match="is above the stable one"):
         O.step()
+
+
+def test_two_lines_keep_apart():
+    hoop, first = purse(tension=5.0)
+    _, second = purse()
+    second.places = [(hoop, k) for k in (0, 3, 6)]
+    second._friction = [0.0] * 3
+    O.engines = ancf.engines(hoop, first, second)
+    O.step()
+    assert first.engine is not None and first.engine.line != second.engine.line
+    assert len(first.tensions) == 12 and len(second.tensions) == 2
+    assert [line.length for line in ancf.lines()] == [first.length, second.length]

@@ -90,7 +90,7 @@ class Line:
         families, numbers, offsets = zip(*(self._resolved(i) for i in range(len(self.places))))
         n = len(self.places)
         engine = wrapper.LineEngine(
-            line=1 + max([e.line for e in lineEngines()], default=-1),
+            line=_newNumber(),
             name=self.name,
             families=list(families),
             numbers=list(numbers),
@@ -370,6 +370,15 @@ def _recalled(engine):
 def lineEngines():
     """The LineEngines of O.engines."""
     return [e for e in O.engines if isinstance(e, wrapper.LineEngine)]
+
+
+_numbers = 0  # given so far: none comes twice, so that no line takes another's engine for its own
+
+
+def _newNumber():
+    global _numbers
+    _numbers = max([_numbers, *(e.line for e in lineEngines())]) + 1
+    return _numbers
 
 
 # ---- checks --------------------------------------------------------------------------------------
