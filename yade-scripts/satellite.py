@@ -38,6 +38,7 @@ CLOSED = 0.25  # part of the rim's length to which it draws the line
 HELD = 0.25  # mouth, and share of the satellite that is not enclosed, at most
 BURN, THRUST, BURNING = 3.0, 2.0, 60.0  # start [s], force [N] and duration [s] of the towing
 TETHER = 2.6  # unstressed length [m]
+STRIP = (0.3, 0.8, 1.1, 1.5, 3.0, 8.0)  # times of its pictures [s]
 SAMPLE = 0.01  # [s]; when towing five times as much
 
 
@@ -165,9 +166,11 @@ class Mission:
         )
 
     def run(self, duration, pictures):
-        """Flies the mission: samples, decides, takes pictures."""
+        """Flies the mission: samples, decides. Returns a film of all and one of the net, or None."""
         everything = [self.net, self.line, self.tether]
         film = ancf.render.Film(everything, [self.satellite, self.chaser]) if pictures else None
+        closer = ancf.render.Film([self.net, self.line], [self.satellite]) if pictures else None
+        times = [time for time in STRIP if time <= duration]
         self.capture.sample()
         self.sample()
         for i, _ in enumerate(ancf.progress(duration, SAMPLE, "mission")):
@@ -178,7 +181,10 @@ class Mission:
                 self.command()
             if film and i % (4 if near else 100) == 0:
                 film.take()
-        return film
+            if closer and times and O.time >= times[0]:
+                closer.take()
+                times.pop(0)
+        return film, closer
 
     def column(self, name):
         return np.array([row[name] for row in self.rows])
@@ -253,14 +259,12 @@ def main():
     args.out.mkdir(parents=True, exist_ok=True)
     duration = BURN + (2.0 if args.quick else BURNING)
     mission, pictures = Mission(), not (args.quick or args.no_pictures)
-    film = mission.run(duration, pictures)
+    film, closer = mission.run(duration, pictures)
     held = mission.report()
     mission.save(args.out)
     if pictures:
         mission.plot(args.out / "mission.png")
-        film.strip(
-            args.out / "strip.png", (0.3, 0.8, 1.1, 1.5, 3.0, 8.0, duration), cell=(420, 420)
-        )
+        closer.strip(args.out / "strip.png", STRIP, cell=(420, 420))
         print("film                ", film.animate(args.out / "mission.mp4", slower=1.0))
     return 0 if held else 1
 
