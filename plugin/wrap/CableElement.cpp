@@ -19,7 +19,8 @@ const CableView* CableElement::newView(const Scene& scene) const {
     if (known && known->use()) return known;
     const auto next = CableEngine::viewOf(scene, family);
     seen.store(next.get());
-    kept = next; // the engine keeps the one before for those who read it still
+    before = std::move(kept);
+    kept = next;
     return next.get();
 }
 
