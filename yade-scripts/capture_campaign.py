@@ -33,6 +33,7 @@ VARY = dict(  # about the study's 1.5 m/s, 25 deg, 1 m
 MESHES = 4  # a side
 MESH_LENGTH = 0.12  # [m]
 CONTACT_POINTS = 2  # inside each element
+FOLD = 0.65  # size of the folded net as part of the open one: it is half open when it is shot
 SAMPLE = 5e-3  # time between two looks at a capture [s]
 LATEST = 2.5  # end of a capture without one, in times of the bullets' way to the ball
 HALVINGS = 3  # of the step, at most, where the energy does not balance
@@ -66,7 +67,7 @@ def build(speed, angle, distance, offset, spin):
         damping=a["damping"],
         mass=given.MASS,
         normal=(1, 0, 0),
-        fold=a["fold"],
+        fold=FOLD,
         selfContact=True,
     )
     net.addBullets(given.BULLET_MASS, a["bulletRadius"], speed, math.radians(angle))
