@@ -18,7 +18,7 @@ from ancf.campaign import statistics
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PATH = os.environ.get("PYTHONPATH", str(ROOT / "build" / "python")).split(os.pathsep)
 ENV = {**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, PATH))}
-LOAD = 90  # in which a process has to load YADE on a busy machine [s]
+LOAD = 300  # in which a process has to load YADE on a busy machine [s]
 
 SCENE = """
 import os, pathlib, signal, time
