@@ -19,8 +19,7 @@ const CableView* CableElement::newView(const Scene& scene) const {
     if (known && known->use()) return known;
     const auto next = CableEngine::viewOf(scene, family);
     seen.store(next.get());
-    before = std::move(kept);
-    kept = next;
+    kept = next; // the engine keeps the one before for those who read it still
     return next.get();
 }
 

@@ -50,7 +50,7 @@ struct CableView {
 };
 
 class CableElement : public Shape {
-    mutable shared_ptr<const CableView> kept, before;     // what `seen` points to, and did: another may just read it
+    mutable shared_ptr<const CableView> kept;             // what `seen` points to
     mutable std::atomic<const CableView*> seen {nullptr}; // read by several threads
 
     const CableView* newView(const Scene& scene) const;

@@ -296,9 +296,15 @@ void CableGeom::set(const ancf_nearest* found, int n) {
 #define ANCF_NEAR(Kind, radius) ANCF_NEAR_CABLE(Kind, radius) ANCF_NEAR_SPHERE(Kind, radius)
 
 ANCF_NEAR_SPHERE(Sphere, first.radius)
+// YADE fills its table of functors for a derived shape, as that of a sphere on a knot, while other threads read it: one
+// of them may get the functor before it is told that the bodies are to be swapped.
 bool Ig2_Sphere_CableElement_CableGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,
-                                           const State& state1, const State&, const Vector3r&, const bool&,
-                                           const shared_ptr<Interaction>& contact) {
+                                           const State& state1, const State& state2, const Vector3r& shift,
+                                           const bool& force, const shared_ptr<Interaction>& contact) {
+    if (shape2->getClassIndex() != CableElement::getClassIndexStatic()) {
+        contact->swapOrder();
+        return go(shape2, shape1, state2, state1, -shift, force, contact);
+    }
     if (passes(*shape2, *contact)) return false;
     const auto& sphere = static_cast<const Sphere&>(*shape1);
     const auto& element = static_cast<const CableElement&>(*shape2);
