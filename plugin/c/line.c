@@ -58,6 +58,14 @@ static double total(const double* values, int n) {
     return sum;
 }
 
+void ancf_line_pull(double force[3], const ancf_line* line, int place) {
+    for (int c = 0; c < 3; ++c) {
+        force[c] = 0.0;
+        if (place < line->spans) force[c] += line->tension[place] * line->along[place][c];
+        if (place > 0) force[c] -= line->tension[place - 1] * line->along[place - 1][c];
+    }
+}
+
 double ancf_line_length(const ancf_line* line) { return total(line->length, line->spans); }
 
 double ancf_line_energy(const ancf_line* line) {

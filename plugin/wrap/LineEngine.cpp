@@ -202,15 +202,10 @@ void LineEngine::askWinches() {
     }
 }
 
-// Force of the line on a place.
-static Vector3r pullAt(const ancf_line* l, int i) {
-    Vector3r sum = Vector3r::Zero();
-    const auto add = [&](int span, Real sign) {
-        for (int c = 0; c < 3; ++c) sum[c] += sign * l->tension[span] * l->along[span][c];
-    };
-    if (i < l->spans) add(i, 1);
-    if (i > 0) add(i - 1, -1);
-    return sum;
+Vector3r LineEngine::pullAt(size_t i) const {
+    Vector3r pull;
+    ancf_line_pull(pull.data(), model.get(), static_cast<int>(i));
+    return pull;
 }
 
 // Forces on bodies add up exactly in whatever order; what that rounds off goes with those of the next step.
@@ -220,7 +215,7 @@ void LineEngine::pullBodies() {
     for (size_t i = 0; i < numbers.size(); ++i) {
         if (families[i] >= 0) continue;
         const Body& body = bodyAt(i);
-        const Vector3r pull = pullAt(model.get(), static_cast<int>(i));
+        const Vector3r pull = pullAt(i);
         const Left left = addExactly(*scene, body, movedBody(*scene, body), pull + leftForce[i],
                                      (body.state->ori * offsets[i]).cross(pull) + leftTorque[i]);
         leftForce[i] = left.force;
@@ -231,8 +226,7 @@ void LineEngine::pullBodies() {
 void LineEngine::pullCables() {
     std::map<int, vector<std::pair<int, Vector3r>>> forces;
     for (size_t i = 0; i < numbers.size(); ++i)
-        if (families[i] >= 0)
-            forces[families[i]].emplace_back(cable(i).tied(numbers[i]), pullAt(model.get(), static_cast<int>(i)));
+        if (families[i] >= 0) forces[families[i]].emplace_back(cable(i).tied(numbers[i]), pullAt(i));
     for (auto& [family, list] : forces) CableEngine::of(*scene, family)->pull(this, scene->iter, std::move(list));
 }
 
@@ -305,28 +299,45 @@ vector<Real> LineEngine::inverseMasses() const {
     return inverse;
 }
 
-// Engines that Python hands over while they are asked for.
-void LineEngine::takeOthers(const py::object& engines) {
-    others.clear();
-    otherLines.clear();
-    for (py::ssize_t i = 0; i < py::len(engines); ++i) {
-        const py::extract<shared_ptr<CableEngine>> cables(engines[i]);
-        const py::extract<shared_ptr<LineEngine>> line(engines[i]);
-        if (cables.check()) others.push_back(cables().get());
-        else if (line.check()) otherLines.push_back(line().get());
-        else throw std::invalid_argument(text("LineEngine: engines[", i, "] must be a CableEngine or a LineEngine"));
+// Engines that Python hands over, which are known while they are asked for.
+class LineEngine::Handed {
+    LineEngine& line;
+
+public:
+    Handed(LineEngine& one, const py::object& engines) : line(one) {
+        for (py::ssize_t i = 0; i < py::len(engines); ++i) {
+            const py::extract<shared_ptr<CableEngine>> cables(engines[i]);
+            const py::extract<shared_ptr<LineEngine>> other(engines[i]);
+            if (!cables.check() && !other.check()) {
+                forget();
+                throw std::invalid_argument(text("LineEngine: engines[", i, "] must be a CableEngine or a LineEngine"));
+            }
+            if (cables.check()) line.others.push_back(cables().get());
+            else line.otherLines.push_back(other().get());
+        }
     }
+    Handed(const Handed&) = delete;
+    Handed& operator=(const Handed&) = delete;
+    ~Handed() { forget(); }
+    void forget() {
+        line.others.clear();
+        line.otherLines.clear();
+    }
+};
+
+void LineEngine::layNow() {
+    checkLists();
+    findPlaces();
+    makeLine();
+    ancf_line_lay(model.get(), coordinates(at));
 }
 
 Real LineEngine::criticalTimeStep(const py::object& engines) {
-    ways(engines);
-    takeOthers(engines);
+    const Handed handed(*this, engines);
+    layNow();
     const bool rough = std::any_of(friction.begin(), friction.end(), [](Real f) { return f > 0; });
     const Real share = rough && ringRadius > 0 ? 0 : nearer; // stuck spans are as stiff as they are short
-    const Real frequency2 = ancf_line_frequency2(model.get(), inverseMasses().data(), share);
-    others.clear();
-    otherLines.clear();
-    return safety * 2 / std::sqrt(frequency2);
+    return safety * 2 / std::sqrt(ancf_line_frequency2(model.get(), inverseMasses().data(), share));
 }
 
 // With the cables' own, as their frequencies add up; in sub-steps they are on their own.
@@ -353,12 +364,8 @@ void LineEngine::checkStep() {
 // ---------------------------------------------------------------- from Python
 
 vector<Real> LineEngine::ways(const py::object& cables) {
-    checkLists();
-    takeOthers(cables);
-    findPlaces();
-    others.clear();
-    makeLine();
-    ancf_line_lay(model.get(), coordinates(at));
+    const Handed handed(*this, cables);
+    layNow();
     return vector<Real>(model->way, model->way + model->spans);
 }
 
@@ -414,11 +421,10 @@ string LineEngine::doing(int end) const {
     }
 }
 
-Real LineEngine::elastic() const {
+Real LineEngine::elastic() {
     checkLists();
-    Real sum = 0;
-    for (size_t i = 0; i < length.size(); ++i) sum += tension[i] * tension[i] / ea * length[i] / 2;
-    return sum;
+    makeLine();
+    return ancf_line_energy(model.get());
 }
 
 Real LineEngine::wholeLength() const {

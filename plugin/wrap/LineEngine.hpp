@@ -41,13 +41,15 @@ class LineEngine : public GlobalEngine {
     void checkPlaces() const;
     bool lookDue() const;
     void checkStep();
-    void takeOthers(const py::object& engines);
+    class Handed;
+    void layNow();
     CableEngine* findCable(int family) const;
     std::pair<int, int> moved(const LineEngine& line, size_t i) const;
     void makeLine();
     void takeState();
     void findPlaces();
     void askWinches();
+    Vector3r pullAt(size_t i) const;
     void pullBodies();
     void pullCables();
     void noteEnergy();
@@ -63,7 +65,7 @@ public:
     string doing(int end) const;
     Real criticalTimeStep(const py::object& engines);
     vector<Vector3r> points();
-    Real elastic() const;
+    Real elastic();
     Real wholeLength() const;
 
     // clang-format off

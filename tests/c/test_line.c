@@ -383,6 +383,12 @@ static void whatever_happens(void** state) {
             }
         }
         assert_int_equal(s.line->unsettled, 0);
+        double f[MOST][3], pull[3];
+        forces(f, &s);
+        for (int i = 0; i <= n; ++i) {
+            ancf_line_pull(pull, s.line, i);
+            for (int c = 0; c < 3; ++c) assert_near(pull[c], f[i][c], 1e-12);
+        }
         assert_near(energy(&s), first, 2e-4 * scale);
         ancf_line_destroy(s.line);
     }

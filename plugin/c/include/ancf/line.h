@@ -58,6 +58,9 @@ void ancf_line_lay(ancf_line* line, const double (*x)[3]);
 // The end of a step of length dt: places are at x. Material flows, and tensions are those of now.
 void ancf_line_step(ancf_line* line, const double (*x)[3], double dt);
 
+// Force of the line on a place [N].
+void ancf_line_pull(double force[3], const ancf_line* line, int place);
+
 // Elastic energy [J].
 double ancf_line_energy(const ancf_line* line);
 
