@@ -1,42 +1,38 @@
 #include "massdamp.h"
 #include "ancf/mass.h"
 
-// Force of an element on its four unknowns, component c.
-static void force_of(double f[4], double M[4][4], double drag, const int dof[4], const double* v) {
-    for (int i = 0; i < 4; ++i) {
-        f[i] = 0.0;
-        for (int j = 0; j < 4; ++j) f[i] -= drag * M[i][j] * v[dof[j]];
-    }
+// Forces of an element on its four unknowns, and which these are.
+static void force_of(double f[3][4], int dof[4], const ancf_model* m, int element, const double* v) {
+    const ancf_element* el = &m->element[element];
+    double M[4][4];
+    ancf_mass_element(M, el);
+    ancf_model_dofs(dof, m, element);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 4; ++i) {
+            f[c][i] = 0.0;
+            for (int j = 0; j < 4; ++j) f[c][i] -= el->drag * M[i][j] * v[c * m->stride + dof[j]];
+        }
 }
 
 void ancf_massdamp_force(double* force, const ancf_model* m, const double* v, double part) {
+    double f[3][4];
+    int dof[4];
     for (int e = 0; e < m->n_elements; ++e) {
-        const ancf_element* el = &m->element[e];
-        if (el->drag == 0.0) continue;
-        double M[4][4], f[4];
-        int dof[4];
-        ancf_mass_element(M, el);
-        ancf_model_dofs(dof, m, e);
-        for (int c = 0; c < 3; ++c) {
-            force_of(f, M, el->drag, dof, v + c * m->stride);
-            for (int i = 0; i < 4; ++i) force[c * m->stride + dof[i]] += part * f[i];
-        }
+        if (m->element[e].drag == 0.0) continue;
+        force_of(f, dof, m, e, v);
+        for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < 4; ++i) force[c * m->stride + dof[i]] += part * f[c][i];
     }
 }
 
 double ancf_massdamp_power(const ancf_model* m, const double* v, const double* w) {
-    double sum = 0.0;
+    double sum = 0.0, f[3][4];
+    int dof[4];
     for (int e = 0; e < m->n_elements && m->dragged; ++e) {
-        const ancf_element* el = &m->element[e];
-        if (el->drag == 0.0) continue;
-        double M[4][4], f[4];
-        int dof[4];
-        ancf_mass_element(M, el);
-        ancf_model_dofs(dof, m, e);
-        for (int c = 0; c < 3; ++c) {
-            force_of(f, M, el->drag, dof, v + c * m->stride);
-            for (int i = 0; i < 4; ++i) sum += f[i] * w[c * m->stride + dof[i]];
-        }
+        if (m->element[e].drag == 0.0) continue;
+        force_of(f, dof, m, e, v);
+        for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < 4; ++i) sum += f[c][i] * w[c * m->stride + dof[i]];
     }
     return sum;
 }

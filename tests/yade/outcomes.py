@@ -1,5 +1,8 @@
 """What becomes of scenes: each in a process of its own, its energy summed up as it runs."""
 
+import argparse
+import collections
+import functools
 import math
 import multiprocessing
 import multiprocessing.connection
@@ -120,3 +123,37 @@ def each(act, cases, jobs, slowest=SLOWEST):
             pipe.close()
             del running[process]
             yield (case, *result)
+
+
+def command(doc, scene, steps, **more):
+    """What a script of random scenes does by its command line; its exit code.
+
+    doc      of the script; the first line is told by --help
+    scene    (seed, steps=, ...) -> (what became of it, worst share, what was told)
+    steps    of a scene, if --steps says nothing else
+    more     further options, each as what argparse takes, which `scene` knows by their names
+    """
+    parser = argparse.ArgumentParser(description=doc.split("\n")[0])
+    parser.add_argument("count", nargs="?", type=int, default=100)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--steps", type=int, default=steps)
+    parser.add_argument("--seed", type=int, help="this one alone, in this process")
+    for name, option in more.items():
+        parser.add_argument(f"--{name}", **option)
+    args = parser.parse_args()
+    one = functools.partial(scene, **{name: getattr(args, name) for name in ("steps", *more)})
+    if args.seed is not None:
+        print(args.seed, *one(args.seed))
+        print(dict(O.energy.items()))
+        return 0
+    counts, worst = collections.Counter(), 0.0
+    for seed, end, share, told in each(one, range(args.first, args.first + args.count), args.jobs):
+        print(f"{seed} {end} {share:.1e} {told}", flush=True)
+        counts[end] += 1
+        worst = max(worst, share) if end == "sound" else worst
+    print(
+        ", ".join(f"{end} {n}" for end, n in counts.most_common()),
+        f"; worst of sound ones {worst:.1e}",
+    )
+    return int(any(counts[fault] for fault in FAULTS))

@@ -6,23 +6,12 @@ runs COUNT scenes, each in a process of its own, prints a line each and the coun
 returns 1 if any scene was silent, late, hanging or killed. --seed SEED runs one scene in this process.
 """
 
-import argparse
-import collections
-import functools
 import math
-import os
 import sys
 
 import numpy as np
 
-from outcomes import (
-    FAULTS,
-    LATE,
-    SOUND,
-    each,
-    outcome,
-    rounding,
-)  # first: sets the number of threads
+from outcomes import LATE, SOUND, command, outcome, rounding  # first: sets the number of threads
 from random_scenes import pick, span, turn
 import ancf
 from yade import O, Vector3, utils
@@ -262,32 +251,5 @@ def scene(seed, steps=STEPS):
     return outcome(lambda: build(seed), lambda built: ride(built, steps))
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("count", nargs="?", type=int, default=100)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--steps", type=int, default=STEPS)
-    parser.add_argument("--seed", type=int, help="this one alone, in this process")
-    args = parser.parse_args()
-    if args.seed is not None:
-        print(args.seed, *scene(args.seed, args.steps))
-        print(dict(O.energy.items()))
-        return 0
-    counts, worst = collections.Counter(), 0.0
-    seeds = range(args.first, args.first + args.count)
-    for seed, end, share, told in each(
-        functools.partial(scene, steps=args.steps), seeds, args.jobs
-    ):
-        print(f"{seed} {end} {share:.1e} {told}", flush=True)
-        counts[end] += 1
-        worst = max(worst, share) if end == "sound" else worst
-    print(
-        ", ".join(f"{end} {n}" for end, n in counts.most_common()),
-        f"; worst of sound ones {worst:.1e}",
-    )
-    return int(any(counts[fault] for fault in FAULTS))
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(command(__doc__, scene, STEPS))

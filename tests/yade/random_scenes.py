@@ -6,20 +6,17 @@ runs COUNT scenes, each in a process of its own, prints a line each and the coun
 returns 1 if any scene was silent, late, hanging or killed. --seed SEED runs one scene in this process.
 """
 
-import argparse
-import collections
-import functools
 import math
-import os
 import sys
 
 import numpy as np
 
-from outcomes import FAULTS, each, outcome, run  # first: sets the number of threads
+from outcomes import command, outcome, run  # first: sets the number of threads
 import ancf
 from yade import O, Vector3, utils
 
 STEPS = 3000
+TOLERANCE = dict(type=float, help="of the energy watch; inf: without it")
 
 
 def pick(random, *choices):
@@ -152,32 +149,5 @@ def scene(seed, steps=STEPS, tolerance=None):
     return outcome(lambda: build(seed, tolerance), lambda _: run(steps))
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("count", nargs="?", type=int, default=100)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--steps", type=int, default=STEPS)
-    parser.add_argument("--seed", type=int, help="this one alone, in this process")
-    parser.add_argument("--tolerance", type=float, help="of the energy watch; inf: without it")
-    args = parser.parse_args()
-    if args.seed is not None:
-        print(args.seed, *scene(args.seed, args.steps, args.tolerance))
-        print(dict(O.energy.items()))
-        return 0
-    counts, worst = collections.Counter(), 0.0
-    one = functools.partial(scene, steps=args.steps, tolerance=args.tolerance)
-    seeds = range(args.first, args.first + args.count)
-    for seed, end, share, told in each(one, seeds, args.jobs):
-        print(f"{seed} {end} {share:.1e} {told}", flush=True)
-        counts[end] += 1
-        worst = max(worst, share) if end == "sound" else worst
-    print(
-        ", ".join(f"{end} {n}" for end, n in counts.most_common()),
-        f"; worst of sound ones {worst:.1e}",
-    )
-    return int(any(counts[fault] for fault in FAULTS))
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(command(__doc__, scene, STEPS, tolerance=TOLERANCE))
