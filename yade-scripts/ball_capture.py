@@ -2,8 +2,8 @@
 Gill 2019.
 
 Nothing draws its mouth shut, so its own recoil opens it again; with --close a line through the rings of its rim does,
-and it holds the ball. Run it by `/usr/bin/python3
-ball_capture.py` or `yade -n -x ball_capture.py`; --help tells the options. Results go to out/.
+and it holds the ball. Run it by `/usr/bin/python3 ball_capture.py` or `yade -n -x ball_capture.py`;
+--help tells the options. Results go to out/.
 Source: Shan, Guo, Gill, Advances in Space Research (2019), doi 10.1016/j.asr.2019.10.041.
 """
 
@@ -22,6 +22,7 @@ from yade import O, utils
 # ---- parameters, SI units ----------------------------------------------------------------------
 MESHES = 6  # a side
 MESH_LENGTH = 0.08  # [m]
+AROUND = 4 * MESHES * MESH_LENGTH  # length of the open rim [m]
 ELEMENTS = 1  # ANCF elements an edge
 CONTACT_POINTS = 3  # inside each element
 YOUNG = 4.456e8  # of the cables [Pa]
@@ -120,13 +121,11 @@ def build(nudge, close=False, **assumed):
 
 def closingLine(net, diameter):
     """From the first bullet through the rings of the rim and back to it."""
-    at = net.rim.index(net.corners[0])
-    rings = [*net.rim[at:], *net.rim[:at], net.rim[at]]
     return ancf.Line(
-        [(net, knot) for knot in rings],
+        [(net, knot) for knot in [*net.rim, net.rim[0]]],
         diameter=diameter,
         material="cable",
-        length=(1 + LINE["slack"]) * 4 * MESHES * MESH_LENGTH,
+        length=(1 + LINE["slack"]) * AROUND,
         label="closing line",
     )
 
@@ -155,8 +154,7 @@ class Run:
         self.energy.append(O.energy.total())
         if self.line and self.closing is None and self.capture.beyond[-1] == 1:
             self.closing = O.time
-            left = LINE["left"] * 4 * MESHES * MESH_LENGTH
-            self.line.haul(LINE["speed"], LINE["force"], to=left)
+            self.line.haul(LINE["speed"], LINE["force"], to=LINE["left"] * AROUND)
         if self.film and len(self.energy) % FILM_EVERY:
             self.film.take()
 
@@ -268,7 +266,7 @@ class Run:
 
 
 def head():
-    print("A net embraces a ball (Shan, Guo, Gill 2019, Table 2)")
+    print("A net is shot at a ball (Shan, Guo, Gill 2019, Table 2)")
     print(
         f"  net {MESHES} x {MESHES} meshes of {MESH_LENGTH} m, {ELEMENTS} element(s) an edge,",
         end=" ",

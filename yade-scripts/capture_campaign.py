@@ -17,7 +17,7 @@ import ancf
 import ball_capture as given
 from ancf import campaign
 from ancf.campaign import maps, statistics
-from ancf.capture import CLOSED, HOLD
+from ancf.capture import Capture
 from yade import O, Vector3, utils
 
 # ---- parameters, SI units; those of cables, bullets and contacts are ball_capture's --------------
@@ -35,7 +35,9 @@ MESH_LENGTH = 0.12  # [m]
 CONTACT_POINTS = 2  # inside each element
 FOLD = 0.65  # size of the folded net as part of the open one: it is half open when it is shot
 SAMPLE = 5e-3  # time between two looks at a capture [s]
+NEVER = 10**9  # samples between two looks at hull and enclosure, which nobody asks for here
 LATEST = 2.5  # end of a capture without one, in times of the bullets' way to the ball
+INTERRUPTED = 130  # exit code after Ctrl-C
 HALVINGS = 3  # of the step, at most, where the energy does not balance
 
 LABELS = dict(
@@ -50,14 +52,12 @@ BINS = 6
 
 
 def build(speed, angle, distance, offset, spin):
-    """A net that flies at a ball, which is held in its place and spins. Returns the net."""
+    """A net that flies at a ball, which is held in its place and spins. Returns the net and the ball's id."""
     a = given.ASSUMED
     O.reset()
-    O.materials.append(given.material("cable", given.YOUNG, given.POISSON, a["density"]))
-    O.materials.append(given.material("ball", a["ballYoung"], a["ballPoisson"], 2700))
+    given.appendMaterials()
     center = (distance, offset, 0)
-    ball = utils.sphere(center, given.BALL_RADIUS, material="ball", fixed=True)
-    O.bodies.append(ball)
+    ball = O.bodies.append(utils.sphere(center, given.BALL_RADIUS, material="ball", fixed=True))
     net = ancf.Net.square(
         MESHES,
         MESH_LENGTH,
@@ -68,56 +68,29 @@ def build(speed, angle, distance, offset, spin):
         mass=given.MASS,
         normal=(1, 0, 0),
         fold=FOLD,
-        selfContact=True,
+        selfContact=given.SELF_CONTACT,
     )
     net.addBullets(given.BULLET_MASS, a["bulletRadius"], speed, math.radians(angle))
     O.engines = ancf.engines(net)
-    ball.state.angVel = Vector3(0, 0, spin)
+    O.bodies[ball].state.angVel = Vector3(0, 0, spin)
     ancf.check()
-    return net
+    return net, ball
 
 
-class Embrace:
-    """Looks whether a net embraces a ball: its four bullets are beyond the ball's centre, and its mouth
-    is below CLOSED of its largest area, for HOLD at least, as in ancf.capture.
-    """
-
-    def __init__(self, net, distance):
-        self.net, self.distance = net, distance
-        self.largest, self.start, self.longest = 0.0, None, 0.0
-
-    def sample(self):
-        area = self.net.mouthArea()
-        self.largest = max(self.largest, area)
-        self.mouth = area / self.largest
-        beyond = all(O.bodies[i].state.pos[0] > self.distance for i in self.net.bullets)
-        if not (beyond and self.mouth < CLOSED):
-            self.start = None
-            return
-        self.start = O.time if self.start is None else self.start
-        self.longest = max(self.longest, O.time - self.start)
-
-    @property
-    def held(self):
-        return self.longest >= HOLD
-
-
-def capture(net, distance, until):
+def follow(net, ball, until):
     """Steps a capture to its embrace or its end. Returns its results."""
-    embrace, touched = Embrace(net, distance), math.nan
+    capture = Capture(net, ball, every=NEVER)
     every = max(1, round(SAMPLE / O.dt))
-    while O.time < until and not embrace.held:
+    while O.time < until and not capture.embraced:
         for _ in range(every):
             O.step()
-        embrace.sample()
-        if math.isnan(touched) and net.engine.contacts:
-            touched = O.time
+        capture.sample()
+    since = capture.embraced[0] if capture.embraced else math.nan
     return dict(
-        embraced=embrace.held,
-        embracedAt=embrace.start if embrace.held else math.nan,  # [s]
-        longest=embrace.longest,  # time for which it was embraced [s]
-        firstContact=touched,  # [s]
-        mouth=embrace.mouth,  # at the end, as part of the largest
+        embraced=capture.embraced is not None,
+        embracedAt=since,  # [s]
+        firstContact=math.nan if capture.contact is None else capture.contact,  # [s]
+        mouth=float(capture.share[-1]),  # at the end, as part of the largest
         penetration=net.engine.maxPenetration,  # [m]
         steps=O.iter,
     )
@@ -127,10 +100,10 @@ def run(speed, angle, distance, offset, spin):
     """One capture, again with half the step where its energy does not balance."""
     until = LATEST * distance / (speed * math.cos(math.radians(angle)))
     for halvings in range(HALVINGS + 1):
-        net = build(speed, angle, distance, offset, spin)
+        net, ball = build(speed, angle, distance, offset, spin)
         O.dt *= 0.5**halvings
         try:
-            return dict(capture(net, distance, until), halvings=halvings)
+            return dict(follow(net, ball, until), halvings=halvings)
         except RuntimeError as error:
             if "out of balance" not in str(error) or halvings == HALVINGS:
                 raise
@@ -194,11 +167,17 @@ def main():
         file.unlink(missing_ok=True)
     try:
         campaign.run(__file__, table, file, args.workers, args.scheduler, limit=600).close()
+        broken = False
     except KeyboardInterrupt:
         print("\nso far; the same command goes on:")
+        broken = True
+    if not file.exists():
+        return INTERRUPTED
     with campaign.Results(file) as results:
-        report(results, args.out)
-        return 1 if results.count()[2] else 0
+        _, finished, failed = results.count()
+        if finished > failed:
+            report(results, args.out)
+        return INTERRUPTED if broken else int(failed > 0)
 
 
 if __name__ == "__main__":

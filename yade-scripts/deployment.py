@@ -13,7 +13,7 @@ import numpy as np
 
 import ancf
 import ball_capture as given
-from ancf.capture import CLOSED, HOLD, Capture
+from ancf.capture import HOLD, Capture
 from net_study import insist, runAll
 from yade import O, Vector3, utils
 
@@ -100,8 +100,7 @@ class Flight:
         """Whether the net embraced the ball: 2 for HOLD at 1.5 m/s, and as much of the way at other speeds; 1 for
         less; 0 never.
         """
-        closed = (np.array(capture.beyond) == 1) & (capture.share < CLOSED)
-        return 2 if capture.embraced else int(closed.any())
+        return 2 if capture.embraced else int(capture.embracing.any())
 
 
 def fly(job):

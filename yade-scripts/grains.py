@@ -27,22 +27,27 @@ def options(parser):
     return args
 
 
-def pile(count, radius, low, side, material, apart=2.3, clumps=4, spread=0.1, seed=1):
-    """Layers of side x side loose grains, centred above z = low; every `clumps`-th is two balls, one 0.8
+APART, UP = 2.3, 2.9  # of grains in a pile, aside and upwards, in radii
+CLUMPS = 4  # every fourth is one
+SPREAD = 0.1  # of the radii, upwards
+
+
+def pile(count, radius, low, side, material):
+    """Layers of side x side loose grains, centred above z = low; every fourth is two balls, one 0.8
     radii above the other.
 
-    Radii are from `radius` to 1 + spread times it [m]. Returns the grains' ids.
+    Radii are from `radius` to 1.1 times it [m]. Returns the grains' ids.
     """
-    rng = np.random.default_rng(seed)
-    pitch, height = apart * radius, (apart + 0.6 if clumps else apart) * radius
+    rng = np.random.default_rng(1)
+    pitch, height = APART * radius, UP * radius
     ids = []
     for k in range(count):
         layer, place = divmod(k, side * side)
         i, j = divmod(place, side)
         p = np.array([pitch * (i - (side - 1) / 2), pitch * (j - (side - 1) / 2), low])
         p += [0, 0, height * (layer + 0.5)] + 0.02 * radius * rng.uniform(-1, 1, 3)
-        r = radius * (1 + spread * rng.uniform())
-        if clumps and k % clumps == 0:
+        r = radius * (1 + SPREAD * rng.uniform())
+        if k % CLUMPS == 0:
             up = np.array([0, 0, 0.4 * radius])
             balls = [utils.sphere(p + q, radius, material=material) for q in (-up, up)]
             ids.append(O.bodies.appendClumped(balls)[0])
@@ -53,13 +58,15 @@ def pile(count, radius, low, side, material, apart=2.3, clumps=4, spread=0.1, se
 
 @contextlib.contextmanager
 def damped(part):
-    """NewtonIntegrator.damping while a scene comes to rest; 0 again afterwards."""
+    """NewtonIntegrator.damping while a scene comes to rest; what it was afterwards."""
     newton = O.engines[-1]
-    newton.damping = part
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="NewtonIntegrator.damping")
-        yield
-    newton.damping = 0
+    before, newton.damping = newton.damping, part
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="NewtonIntegrator.damping")
+            yield
+    finally:
+        newton.damping = before
 
 
 def places(ids):

@@ -82,7 +82,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/recoil"))
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    dampings, count = (DAMPINGS[1::2][:1], 1) if args.quick else (DAMPINGS, args.runs)
+    dampings, count = (DAMPINGS[1:2], 1) if args.quick else (DAMPINGS, args.runs)
     jobs = [(d, k, given.DURATION) for d in dampings for k in range(count)]
     done = runAll(capture, jobs, args.workers, "dampings")
     runs = {d: [r for r in done if r.damping == d] for d in dampings}

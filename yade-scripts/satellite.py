@@ -36,6 +36,7 @@ BEHIND = 0.4  # the chaser, from the net [m]
 CLOSE = dict(speed=3.0, force=8.0)  # of the winch [m/s], [N]
 CLOSED = 0.25  # part of the rim's length to which it draws the line
 HELD = 0.25  # mouth, and share of the satellite that is not enclosed, at most
+TOWED = 0.02  # by which the tether's mean tension in the last 10 s differs from thrust x mass ratio, at most
 EXACT = 1e-8  # changes of momentum [kg m/s] and angular momentum [kg m2/s] without a cause, at most
 BURN, THRUST, BURNING = 3.0, 2.0, 60.0  # start [s], force [N] and duration [s] of the towing
 TETHER = 2.6  # unstressed length [m]
@@ -98,12 +99,11 @@ class Mission:
             fold=0.15,
         )
         self.net.addBullets(angle=np.radians(ANGLE), **BULLETS)
-        rim = self.net.rim
-        at = rim.index(self.net.corners[0])
-        rings = [*rim[at:], *rim[:at], rim[at]]  # from the first bullet around and back to it
         self.around = 4 * MESHES * MESH_LENGTH
         self.line = ancf.Line(
-            [(self.net, k) for k in rings],
+            [
+                (self.net, k) for k in [*self.net.rim, self.net.rim[0]]
+            ],  # from a bullet and back to it
             diameter=DIAMETER,
             material="cord",
             length=1.02 * self.around,
@@ -201,26 +201,26 @@ class Mission:
         pushed, turned = self.column("pushed").max(), self.column("turned")[time < BURN].max()
         mean = self.column("tether")[towing].mean()
         held = row["mouth_end"] < HELD and row["enclosed_end"] > 1 - HELD
+        towed = abs(mean / (THRUST * caught) - 1) < TOWED
         exact = max(pushed, turned) < EXACT
-        print(f"first contact        {row['contact_s']:.3f} s")
-        print(
-            f"closing line drawn   from {self.closing:.3f} s, {self.line.length:.3f} m left, winch {self.line.winch()}"
-        )
-        print(
-            f"at the end           mouth {100 * row['mouth_end']:.1f} %, {100 * row['enclosed_end']:.0f} % enclosed"
-        )
-        print(
-            f"spin of the satellite {self.rows[0]['spin']:.3f} rad/s, at the end {self.rows[-1]['spin']:.3f} rad/s"
-        )
-        print(
-            f"tether               {mean:.3f} N in the last 10 s, thrust x mass ratio {THRUST * caught:.3f} N"
-        )
+        if row["contact_s"] is not None:
+            print(f"first contact        {row['contact_s']:.3f} s")
+        if self.closing is not None:
+            print(f"closing line drawn   from {self.closing:.3f} s,", end=" ")
+            print(f"{self.line.length:.3f} m left, winch {self.line.winch()}")
+        print(f"at the end           mouth {100 * row['mouth_end']:.1f} %,", end=" ")
+        print(f"{100 * row['enclosed_end']:.0f} % enclosed")
+        print(f"spin of the satellite {self.rows[0]['spin']:.3f} rad/s,", end=" ")
+        print(f"at the end {self.rows[-1]['spin']:.3f} rad/s")
+        print(f"tether               {mean:.3f} N in the last 10 s,", end=" ")
+        print(f"thrust x mass ratio {THRUST * caught:.3f} N")
         print(f"momentum             off the thrust's by {pushed:.1e} kg m/s")
         print(f"angular momentum     kept until the burn within {turned:.1e} kg m2/s")
         print(f"step                 {O.dt:.3g} s, {O.iter} steps")
         if not exact:
             print("=> momentum NOT kept")
-        print("=> caught, closed and towed" if held else "=> NOT held", flush=True)
+        what = "caught, closed and towed" if towed else "caught and closed, not yet towed steadily"
+        print(f"=> {what if held else 'NOT held'}", flush=True)
         return held and exact
 
     def save(self, folder):

@@ -243,10 +243,6 @@ LEGAL = {
     ("most", INF),
     ("most", HUGE),
     ("speed", "nan"),
-    ("brake", INF),
-    ("brake", HUGE),
-    ("most", INF),
-    ("most", HUGE),
     ("clampedEnds", "[]"),
     ("fixedNodes", "[]"),
 }

@@ -157,7 +157,7 @@ def test_purse_keeps_energy_and_momentum(friction, model):
         scale = max(scale, O.energy["cableKinetic"] + O.energy["lineElastic"])
     after = hoop.engine.momentum()
     for one, other in zip(before, after):
-        assert (other - one).norm() < 1e-12 * scale * 100
+        assert (other - one).norm() < 1e-10 * scale
     assert abs(O.energy.total() - first) < 2e-3 * scale
     assert line.engine.unsettled == 0
     assert hoop.engine.energyScale > 0.5 * scale  # the watch has seen it, and did not stop
@@ -535,7 +535,7 @@ def test_texts():
 def test_order_of_engines_and_steps_are_checked():
     hoop, line = purse(friction=0.1)
     engines = ancf.engines(hoop, line)
-    i = engines.index(line.engine) if line.engine in engines else 3
+    i = engines.index(line.engine)
     O.engines = engines[:i] + [engines[i + 1], engines[i]] + engines[i + 2 :]
     with pytest.raises(RuntimeError, match="stands behind CableEngine .* put it before it"):
         O.step()

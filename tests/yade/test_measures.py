@@ -45,6 +45,10 @@ def test_meshes_of_other_nets():
     assert [len(m) for m in meshes(hexagon)] == [6]
     assert meshes([(0, 1), (1, 2)]) == []  # a string has none
     assert len(meshes(SIDES)) == 6  # a cube's
+    n = 13  # knots a side of a net with a strand that hangs free
+    net = [(k, k + 1) for k in range(n * n) if (k + 1) % n]
+    net += [(k, k + n) for k in range(n * (n - 1))] + [(0, n * n)]
+    assert [len(m) for m in meshes(net)] == [4] * (n - 1) ** 2
 
 
 # ---- enclosure -----------------------------------------------------------------------------------

@@ -75,6 +75,11 @@ REFUSED = [
         RuntimeError,
         "has a GuideEngine, which cannot be spread",
     ),
+    (
+        lambda: setattr(O, "engines", [ancf.LineEngine(), *O.engines]),
+        RuntimeError,
+        "has a LineEngine, which cannot be spread",
+    ),
     (clump, RuntimeError, "belongs to a clump"),
     (lambda: sys.modules.pop("yade.mpy"), RuntimeError, "from yade import mpy"),
 ]

@@ -1,6 +1,10 @@
 """What only several threads can do to a scene."""
 
+import os
+import pathlib
 import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 SCRIPT = """
 import ancf
@@ -29,6 +33,9 @@ def test_functors_that_are_new_to_yade(tmp_path):
     """
     (tmp_path / "scene.py").write_text(SCRIPT)
     command = ["yade", "-j2", "-n", "-x", "scene.py"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    env = {"PYTHONPATH": str(ROOT / "build" / "python"), **os.environ}
+    done = subprocess.run(
+        command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=300
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     assert int(done.stdout.split("\n")[-2].split()[0]) > 40

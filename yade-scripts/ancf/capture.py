@@ -10,6 +10,7 @@ from yade import O, Vector3, wrapper
 from . import values
 from .enclosure import DIRECTIONS, Skin, enclosedShare, everywhere, meshes
 from .hulls import hull, indexOf, qualityIndex, targetSize
+from .lines import lineEngines
 from .nets import areaVector
 from .structure import findBody
 
@@ -56,7 +57,8 @@ class Momentum:
     """Momentum that a target has been given since this was made: given() [kg m/s], gravity's part left out.
 
     A free body tells it itself; all that pushes it counts. For one that is held it is what the cables of the
-    engine and the bodies that they carry have lost; nan if something else holds or loads them.
+    engine and the bodies that they carry have lost, to whatever they touch; nan if something else holds, loads
+    or damps them, or a line pulls at them from outside.
     """
 
     def __init__(self, net, target):
@@ -72,11 +74,18 @@ class Momentum:
     def given(self):
         """The momentum (3) [kg m/s]."""
         engine = self.engine
-        if not self.free and (engine.fixedNodes or engine.followNodes or engine.loadNodes):
+        if not self.free and self._othersToo():
             return Vector3(math.nan, math.nan, math.nan)
         weight = self.mass * (self._when() - self.time) * engine.gravity
         gained = self._now() - self.start - weight
         return gained if self.free else -gained
+
+    def _othersToo(self):
+        """Whether the cables exchange momentum with something else than what they touch."""
+        engine = self.engine
+        if engine.fixedNodes or engine.followNodes or engine.loadNodes or any(engine.massDamping):
+            return True
+        return any({engine.family} < set(line.families) for line in lineEngines())
 
     def _now(self):
         if self.free:
@@ -209,12 +218,16 @@ class Capture:
         return np.array(self.mouth) / np.maximum.accumulate(self.mouth)
 
     @property
+    def embracing(self):
+        """Whether the net embraced the target, of all samples, numpy."""
+        return (self.share < self.closed) & (np.array(self.beyond) == 1)
+
+    @property
     def _held(self):
         """First and last sample of the longest time in which the net embraced the target, or None where it did not
         for `hold`.
         """
-        holds = (self.share < self.closed) & (np.array(self.beyond) == 1)
-        edges = np.flatnonzero(np.diff(holds, prepend=False, append=False))
+        edges = np.flatnonzero(np.diff(self.embracing, prepend=False, append=False))
         lasting = {
             (a, b - 1): self.time[b - 1] - self.time[a] for a, b in zip(edges[::2], edges[1::2])
         }

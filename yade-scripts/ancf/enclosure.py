@@ -30,20 +30,23 @@ def meshes(edges):
 
 def _shortest(neighbours, a, b):
     """All shortest ways from a to b, as lists of knots, but for the edge between them."""
-    ways, seen = [[a]], {a}
-    while ways:
-        longer = [
+    far, ring = {b: 0}, [b]  # how many edges a knot is from b
+    while ring and a not in far:
+        last, ring = ring, []
+        for knot in last:
+            for k in neighbours[knot]:
+                if k not in far and {k, knot} != {a, b}:
+                    far[k] = far[knot] + 1
+                    ring.append(k)
+    ways = [[a]] if a in far else []
+    for left in reversed(range(far.get(a, 0))):
+        ways = [
             [*way, k]
             for way in ways
             for k in neighbours[way[-1]]
-            if k not in seen and (len(way) > 1 or k != b)
+            if far.get(k) == left and {k, way[-1]} != {a, b}
         ]
-        there = [way for way in longer if way[-1] == b]
-        if there:
-            return there
-        seen.update(way[-1] for way in longer)
-        ways = longer
-    return []
+    return ways
 
 
 class Skin:

@@ -7,6 +7,7 @@ import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
+from .stretch import oneOf
 from .structure import Structure, cableEngines, findBody, findMaterial
 
 RING = 5.0  # default size of a ring, in diameters of the line
@@ -60,7 +61,7 @@ class Line:
         if ringRadius is None:
             ringRadius = RING * self.diameter
         self._ring = values.notNegative(f"{label}.ringRadius", ringRadius, "m")
-        self._cut = _oneOf(label, length=length, slack=slack, tension=tension)
+        self._cut = _cut(label, length, slack, tension)
         self._number = -1
         self._engine = None
 
@@ -390,7 +391,7 @@ def _checkedPlaces(name, given):
         values.refuse(f"{name}.places", given, "a line needs at least two places")
     places = [_place(f"{name}.places[{i}]", p) for i, p in enumerate(places)]
     for i, (one, next_) in enumerate(zip(places, places[1:])):
-        if one[0] is next_[0] and tuple([one[1]]) == tuple([next_[1]]):
+        if one == next_:
             raise ValueError(
                 f"{name}.places[{i}] and [{i + 1}] are the same place: take one of them out"
             )
@@ -424,13 +425,9 @@ def _frictions(name, given, n):
     return [0.0, *each, 0.0]
 
 
-def _oneOf(name, **given):
-    """(what, value) of length, slack and tension; none: no slack."""
-    known = [(what, value) for what, value in given.items() if value is not None]
-    if len(known) > 1:
-        both = " and ".join(f"{what} = {value!r}" for what, value in known)
-        raise ValueError(f"{name}: {both}: give one of length, slack and tension")
-    what, value = known[0] if known else ("slack", 0.0)
+def _cut(name, length, slack, tension):
+    """(what, value) of that which says how long it is without stress."""
+    what, value = oneOf(f"{name}: ", length=length, slack=slack, tension=tension) or ("slack", 0.0)
     unit = {"length": "m", "slack": "-", "tension": "N"}[what]
     check = values.positive if what == "length" else values.notNegative
     return what, check(f"{name}.{what}", value, unit)

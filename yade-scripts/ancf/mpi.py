@@ -17,7 +17,7 @@ OWN = 1 << 28  # bit of groupMask by which bodies of cables meet others, instead
 SHARED = 1  # that of the bodies by which mpy finds out what is near
 STATE = ("pos", "ori", "vel", "angVel", "angMom")
 FORCES, STATES = 8701, 8702  # tags of messages
-DRIVES = ("SheaveEngine", "GuideEngine")
+DRIVES = (wrapper.SheaveEngine, wrapper.GuideEngine, wrapper.LineEngine)
 
 _rank = None  # of the cables
 
@@ -64,7 +64,7 @@ def _check(cables, own):
     if "yade.mpy" not in sys.modules:
         raise RuntimeError("mpi.spread: `from yade import mpy` first, and mpy.mpirun afterwards")
     for engine in O.engines:
-        if type(engine).__name__ in DRIVES:
+        if isinstance(engine, DRIVES):
             raise RuntimeError(
                 f"mpi.spread: O.engines has a {type(engine).__name__}, which cannot be spread over "
                 "processes: take O.run and threads (yade -j)"
@@ -102,12 +102,11 @@ def _engines():
     for k, engine in enumerate(engines):
         if isinstance(engine, wrapper.InsertionSortCollider):
             engine.label = "collider"  # mpy's name for it
-        elif type(engine).__name__ == "CableNewton":
+        elif isinstance(engine, wrapper.CableNewton):
             kept = {name: engine.dict()[name] for name in ("gravity", "damping", "label")}
             engines[k] = wrapper.NewtonIntegrator(**kept)
-    first, *_, last = 2 * [
-        k for k, engine in enumerate(engines) if isinstance(engine, wrapper.CableEngine)
-    ]
+    places = [k for k, engine in enumerate(engines) if isinstance(engine, wrapper.CableEngine)]
+    first, last = places[0], places[-1]
     return [
         *engines[:first],
         _runner("before"),

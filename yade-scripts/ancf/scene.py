@@ -284,17 +284,18 @@ def timeStep(engines=None, speed=None, law=None, lines=None):
             values.refuse(f"timeStep: engines[{i}]", engine, "must be a CableEngine", TypeError)
     speed = fastest() if speed is None else values.positive("timeStep: speed", speed, "m/s")
     steps = [(law or _hollarsLaw()).contactTimeStep(speed), GRAIN_PART * _throughGrains()]
+    stable = {engine.family: engine.criticalTimeStep() for engine in engines}
     for engine in engines:
         if engine.integrator == "implicit":
             steps.append(IMPLICIT_STEP)
             continue
         divides = engine.integrator == "leapfrog" and not engine.coupled
         inside = max(1, engine.substeps) if divides else 1
-        steps.append(inside * engine.criticalTimeStep())
+        steps.append(inside * stable[engine.family])
     lines = lineEngines() if lines is None else lines
     for line in lines:
         own = line.criticalTimeStep([*engines, *lines])
-        pulled = [e.criticalTimeStep() for e in engines if e.family in line.families]
+        pulled = [step for family, step in stable.items() if family in line.families]
         rate2 = sum(1 / step**2 for step in [own, *pulled])  # frequencies add up
         steps.append(rate2**-0.5 if rate2 else math.inf)
     return min(steps)

@@ -22,6 +22,17 @@ def underTension(force, section):
     return ratio
 
 
+def oneOf(prefix, **given):
+    """(name, value) of the one of several that is not None, or None. ValueError for two."""
+    known = [(what, value) for what, value in given.items() if value is not None]
+    if len(known) > 1:
+        both = " and ".join(f"{what} = {value!r}" for what, value in known)
+        raise ValueError(
+            f"{prefix}{both}: give one of {', '.join([*given][:-1])} and {[*given][-1]}"
+        )
+    return known[0] if known else None
+
+
 def ratios(prefix, section, laid, length=None, slack=None, tension=None):
     """How many times its unstressed length each of n curves of lengths laid (n) [m] is laid, (n).
 
@@ -29,17 +40,10 @@ def ratios(prefix, section, laid, length=None, slack=None, tension=None):
     tension [N] >= 0: one of the three, a number or one for each curve; none: 1. prefix: of their
     names in messages.
     """
-    given = [
-        (what, value)
-        for what, value in (("length", length), ("slack", slack), ("tension", tension))
-        if value is not None
-    ]
-    if not given:
+    given = oneOf(prefix, length=length, slack=slack, tension=tension)
+    if given is None:
         return np.ones(len(laid))
-    if len(given) > 1:
-        both = " and ".join(f"{what} = {value!r}" for what, value in given)
-        raise ValueError(f"{prefix}{both}: give one of length, slack and tension")
-    (what, value) = given[0]
+    what, value = given
     each = _each(f"{prefix}{what}", value, len(laid))
     if what == "length":
         numbers = [values.positive(where, v, "m") for where, v in each]
