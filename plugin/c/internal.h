@@ -20,6 +20,11 @@
 #define ANCF_INLINE static inline __attribute__((always_inline))
 #endif
 
+enum { ANCF_THREADED_FROM = 4000 }; // elements; fewer are not worth the waiting of threads for one another
+
+// The first of n that one of `threads` takes; its last is before the first of the next one.
+static inline int ancf_share(int n, int thread, int threads) { return (int)((long)n * thread / threads); }
+
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 bool ancf_reserve(void** items, int* room, int n, size_t size);
 

@@ -108,6 +108,7 @@ void CableEngine::forget() {
     vector<Looked>().swap(lookedAt);
     vector<Worked>().swap(worked);
     vector<Led>().swap(led);
+    vector<Pulls>().swap(pulls);
     forgotten = true;
     nNodes = kickedNodes = kickedElements = 0;
     lastStep = 0;

@@ -57,6 +57,7 @@ class CableEngine : public GlobalEngine {
         const Shape* shape;
     };
     mutable vector<Shown> elementBodies; // (elementIds) as they were when they were looked at last
+    mutable size_t nextBody = 0;         // element whose body is looked at next
     uint64_t checkedSurroundings = 0;    // see SceneCheck::print; 0: not yet checked
     vector<Body::id_t> driven;           // by the scene's drives when these were checked
     int sinceChecked = 0;                // steps, for what is looked at from time to time
@@ -159,7 +160,7 @@ class CableEngine : public GlobalEngine {
     void checkDriven();
     void checkSurroundings() const;
     void checkStart();
-    void checkBodies() const;
+    void checkBodies(size_t most = std::numeric_limits<size_t>::max()) const;
     void lookAtBodies() const;
     bool heldBodiesChanged();
     bool lookAtHeldBodies();

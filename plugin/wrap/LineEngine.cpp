@@ -305,21 +305,22 @@ class LineEngine::Handed {
 
 public:
     Handed(LineEngine& one, const py::object& engines) : line(one) {
+        vector<CableEngine*> others;
+        vector<const LineEngine*> lines;
         for (py::ssize_t i = 0; i < py::len(engines); ++i) {
             const py::extract<shared_ptr<CableEngine>> cables(engines[i]);
             const py::extract<shared_ptr<LineEngine>> other(engines[i]);
-            if (!cables.check() && !other.check()) {
-                forget();
+            if (!cables.check() && !other.check())
                 throw std::invalid_argument(text("LineEngine: engines[", i, "] must be a CableEngine or a LineEngine"));
-            }
-            if (cables.check()) line.others.push_back(cables().get());
-            else line.otherLines.push_back(other().get());
+            if (cables.check()) others.push_back(cables().get());
+            else lines.push_back(other().get());
         }
+        line.others.swap(others);
+        line.otherLines.swap(lines);
     }
     Handed(const Handed&) = delete;
     Handed& operator=(const Handed&) = delete;
-    ~Handed() { forget(); }
-    void forget() {
+    ~Handed() {
         line.others.clear();
         line.otherLines.clear();
     }
@@ -345,7 +346,7 @@ void LineEngine::checkStep() {
     const Real dt = scene->dt;
     const Real own = 2 / std::sqrt(ancf_line_frequency2(model.get(), inverseMasses().data(), 1));
     Real limit = own;
-    for (const int family : families) {
+    for (const int family : std::set<int>(families.begin(), families.end())) {
         if (family < 0) continue;
         const Real cables = CableEngine::of(*scene, family)->criticalTimeStep();
         if (dt <= cables * (1 + 1e-7)) limit = std::min(limit, 1 / std::hypot(1 / own, safety / cables));
