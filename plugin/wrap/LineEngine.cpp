@@ -101,8 +101,14 @@ void LineEngine::checkLists() const {
     all.need(finite(drawn), "drawn", drawn, "finite [J]");
 }
 
+void LineEngine::needSound() {
+    if (!sound) checkLists();
+    sound = true;
+}
+
 void LineEngine::postLoad(LineEngine&) {
-    if (!numbers.empty()) checkLists();
+    sound = false;
+    if (!numbers.empty()) needSound();
 }
 
 // What moves its places comes after it, and nothing in between forgets what it pulls at bodies.
@@ -170,14 +176,17 @@ void LineEngine::takeState() {
 
 void LineEngine::findPlaces() {
     const size_t n = numbers.size();
+    owner.resize(n);
     at.resize(n);
     for (size_t i = 0; i < n; ++i) {
         Vector3r place;
         if (families[i] < 0) {
+            owner[i] = nullptr;
             const State& state = *bodyAt(i).state;
             place = state.pos + state.ori * offsets[i];
         } else {
-            place = cable(i).placeOfNode(numbers[i]);
+            owner[i] = i > 0 && families[i - 1] == families[i] ? owner[i - 1] : &cable(i);
+            place = owner[i]->placeOfNode(numbers[i]);
         }
         if (!finite(place)) refuse(placeText(i) + " is at no finite position: look at what acts there");
         at[i] = {place[0], place[1], place[2]};
@@ -224,10 +233,10 @@ void LineEngine::pullBodies() {
 }
 
 void LineEngine::pullCables() {
-    std::map<int, vector<std::pair<int, Vector3r>>> forces;
+    std::map<CableEngine*, vector<std::pair<int, Vector3r>>> forces;
     for (size_t i = 0; i < numbers.size(); ++i)
-        if (families[i] >= 0) forces[families[i]].emplace_back(cable(i).tied(numbers[i]), pullAt(i));
-    for (auto& [family, list] : forces) CableEngine::of(*scene, family)->pull(this, scene->iter, std::move(list));
+        if (owner[i]) forces[owner[i]].emplace_back(owner[i]->tied(numbers[i]), pullAt(i));
+    for (auto& [cables, list] : forces) cables->pull(this, scene->iter, std::move(list));
 }
 
 void LineEngine::noteEnergy() {
@@ -245,7 +254,7 @@ bool LineEngine::lookDue() const {
 void LineEngine::action() {
     const StepGuard guard;
     throwLate(*scene);
-    checkLists();
+    needSound();
     if (!(finite(scene->dt) && scene->dt > 0)) refuse(text("O.dt = ", scene->dt, " s: must be finite and above 0"));
     const bool look = lookDue();
     if (look) checkPlaces();
@@ -286,8 +295,8 @@ vector<Real> LineEngine::inverseMasses() const {
         for (size_t i = 0; i < line->numbers.size(); ++i) ++visits[moved(*line, i)];
     }
     for (size_t i = 0; i < n; ++i) {
-        if (families[i] >= 0) {
-            inverse[i] = cable(i).mobilityOfNode(numbers[i]);
+        if (owner[i]) {
+            inverse[i] = owner[i]->mobilityOfNode(numbers[i]);
         } else {
             const Body& body = movedBody(theScene(), bodyAt(i));
             const Mobility m = mobility(theScene(), body);
