@@ -4,6 +4,7 @@
 #include "ancf/stability.h"
 #include "internal.h"
 #include "massdamp.h"
+#include "slide.h"
 #include "stiffness.h"
 
 #include <math.h>
@@ -203,6 +204,13 @@ static void note_losses(ancf_implicit* s, ancf_model* m, const weights* w) {
 
 // ---------------------------------------------------------------- steps
 
+// What slides goes on along its line: no velocity nor acceleration across it.
+static void keep_on_lines(ancf_model* m, double* a) {
+    ancf_slides_place(m);
+    ancf_slides_project(m, m->v);
+    ancf_slides_project(m, a);
+}
+
 // One of the equal parts of a step.
 static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights* w, double step, int part) {
     const int n = 3 * m->stride;
@@ -217,6 +225,7 @@ static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights*
     }
     place_held(s, m, step, end, at + w->inertia_new * h);
     if (!solve(s, m, a, w, h) || !ancf_finite(m, m->x) || !ancf_finite(m, m->v)) return false;
+    keep_on_lines(m, a);
     for (int i = 0; i < n; ++i) s->change[i] = m->x[i] - s->old_x[i];
     if (ancf_stiffness_turn(m, s->change) > farthest) return false;
     if (m->track) note_losses(s, m, w);
@@ -239,6 +248,7 @@ static bool take_step(ancf_implicit* s, ancf_model* m, double* a, const weights*
 ancf_error ancf_implicit_step(ancf_implicit* s, ancf_model* m, double* a, const ancf_time* time, int parts) {
     const weights w = weights_of(s->rho);
     const double damped = m->damping_work, lost = s->lost;
+    keep_on_lines(m, a);
     plan_held(s, m, a, time);
     if (time->last <= 0.0) accelerate(s, m, a);
     copy(s->start_x, m->x, m);
