@@ -7,6 +7,7 @@ import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
+from ._load import showLines
 from .stretch import oneOf
 from .structure import Structure, cableEngines, findBody, findMaterial
 
@@ -127,6 +128,7 @@ class Line:
         first = next((i for i, e in enumerate(engines) if isinstance(e, movers)), None)
         if first is not None:
             O.engines = engines[:first] + [engine] + engines[first:]
+        showLines()
         return self
 
     def _resolved(self, i):
@@ -357,6 +359,7 @@ class _Path:
 
 def lines():
     """The Line objects of the scene, made anew at each call, also after O.load."""
+    showLines()
     return [_recalled(e) for e in lineEngines()]
 
 
