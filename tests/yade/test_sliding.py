@@ -299,3 +299,26 @@ def test_refused(stiff):
     ):
         c.engine.release(0)
         c.engine.slide(0, Vector3.Zero)
+
+
+@pytest.mark.parametrize(
+    "attributes, told",
+    [
+        ({"slideNodes": [9]}, r"slideNodes\[0\] = 9: must be a node of nNodes"),
+        ({"slideNodes": [0, 0]}, "slideNodes holds 0 twice"),
+        ({"slideNodes": []}, "slideAlong has 1 values: must have 0"),
+        ({"slideAlong": [Vector3(0, 0, 9)]}, r"slideAlong\[0\] = .*: must be a unit vector"),
+        ({"slideAlong": [Vector3(0, 0, math.nan)]}, "must be a unit vector"),
+        ({"slideAt": [Vector3(0, 1, 0)]}, r"slideAt\[0\]: node 0 of position is 1 m off its line"),
+        ({"slideAt": [Vector3(0, math.nan, 0)]}, r"slideAt\[0\] = .*finite"),
+        ({"fixedNodes": [0]}, "slideNodes holds node 0, which is in fixedNodes"),
+    ],
+)
+def test_damaged_attributes_are_told(stiff, attributes, told):
+    c = cable()
+    c.slide(0, (0, 0, 1))
+    O.engines = ancf.engines(c)
+    steps(1)
+    with pytest.raises(ValueError, match=told):
+        c.engine.updateAttrs(attributes)
+        O.step()

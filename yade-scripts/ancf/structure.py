@@ -24,6 +24,7 @@ SEGMENTS_MOST = 64  # of an element
 SMALLEST, LARGEST = 1e-30, 1e30  # of ea [N], rhoA [kg/m] and, from 0, ei [N m2]
 DAMPING_MOST = 1e6  # [s], and of massDamping [1/s]
 ITERATIONS_MOST = 2**31 - 1  # of relax: an int of the engine's
+TOUCHING = 0.1  # depth over the thinner radius up to which cables touch: check() warns of more
 
 
 @dataclass
@@ -790,7 +791,7 @@ class Structure:
 
     def _attach(self, knot, bodyId):
         """The elements that meet at a knot, and those that reach into the body now, never touch the
-        body that it carries or follows.
+        body that it carries or follows. The others do: what lies on it, or winds on it later.
         """
         if not self.bodies:
             return
@@ -805,17 +806,19 @@ class Structure:
                 shape.exclude = list(shape.exclude) + [member]
 
     def _reaching(self, body, state):
-        """Numbers of the elements that reach into a sphere or box now."""
+        """Numbers of the elements that reach into a sphere or box now, deeper than what touches it."""
         size = _reach(body.shape)
         if size is None:
             return np.array([], int)
+        thin = min(self.radius, size) if isinstance(body.shape, wrapper.Sphere) else self.radius
+        radius = self.radius - TOUCHING * thin
         # A curve is no farther from its chord's middle than half the chord and what slopes bend it.
         start, end = state[0][self._layout.ends.T]
         steep = np.linalg.norm(state[1], axis=1).reshape(-1, 2).sum(axis=1)
         out = 0.5 * np.linalg.norm(end - start, axis=1) + 4 / 27 * self._layout.length * steep
         gap = np.linalg.norm(0.5 * (start + end) - np.array(list(body.state.pos)), axis=1) - out
         near = np.flatnonzero(gap < size + self.radius)
-        return near[_overlaps(body, self._points(state, near, np.linspace(0, 1, 17)), self.radius)]
+        return near[_overlaps(body, self._points(state, near, np.linspace(0, 1, 17)), radius)]
 
     # ---- state -----------------------------------------------------------------------------------
 
