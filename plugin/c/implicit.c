@@ -215,6 +215,7 @@ static void keep_on_lines(ancf_model* m, double* a) {
 static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights* w, double step, int part) {
     const int n = 3 * m->stride;
     const double h = step / s->parts, at = part * h, end = part + 1 == s->parts ? step : at + h;
+    keep_on_lines(m, a);
     copy(s->old_x, m->x, m);
     copy(s->old_v, m->v, m);
     force_now(s, m, s->old_f);
@@ -248,7 +249,6 @@ static bool take_step(ancf_implicit* s, ancf_model* m, double* a, const weights*
 ancf_error ancf_implicit_step(ancf_implicit* s, ancf_model* m, double* a, const ancf_time* time, int parts) {
     const weights w = weights_of(s->rho);
     const double damped = m->damping_work, lost = s->lost;
-    keep_on_lines(m, a);
     plan_held(s, m, a, time);
     if (time->last <= 0.0) accelerate(s, m, a);
     copy(s->start_x, m->x, m);

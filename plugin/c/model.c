@@ -81,7 +81,7 @@ static ancf_error check_loose(const ancf_def* def, int* where) {
 static bool is_slide(const ancf_def* def, const ancf_slide* s) {
     const double *d = s->along, *at = s->at, square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     return s->node >= 0 && s->node < def->n_nodes && !(def->hold && def->hold[s->node]) && fabs(square - 1.0) < 1e-12 &&
-           isfinite(at[0] + at[1] + at[2]);
+           isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]);
 }
 
 static ancf_error check_slides(const ancf_def* def, int* where) {
