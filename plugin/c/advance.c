@@ -235,5 +235,5 @@ void ancf_advance(ancf_model* m, const ancf_time* time) {
 #pragma omp parallel
         pass(m, &by, omp_get_thread_num(), omp_get_num_threads());
     }
-    ancf_held_move(m, by.step);
+    ancf_held_move(m, by.kick, by.step);
 }

@@ -45,6 +45,9 @@ static inline bool ancf_model_counts(const ancf_model* m, int dof) {
     return end < 0 || m->next[end] < 0;
 }
 
+// Number of the slide that a node goes on, or -1.
+static inline int ancf_slide_of(const ancf_model* m, int node) { return m->n_slides > 0 ? m->slide_of[node] : -1; }
+
 // Largest unbalanced force, but for rounding, over the largest that elements or loads exert, at the state that m->f was
 // found for [-].
 double ancf_imbalance(const ancf_model* m);
