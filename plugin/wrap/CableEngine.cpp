@@ -18,7 +18,6 @@
 namespace yade {
 
 YADE_PLUGIN((CableEngine))
-CREATE_LOGGER(CableEngine);
 
 Scene& CableEngine::theScene() const { return *Omega::instance().getScene(); } // ours may be that of before a load
 

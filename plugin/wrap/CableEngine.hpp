@@ -420,7 +420,6 @@ public:
         .def(Guarded())
     )
     // clang-format on
-    DECLARE_LOGGER;
 };
 REGISTER_SERIALIZABLE(CableEngine);
 

@@ -9,12 +9,12 @@
 #include "text.hpp"
 
 #include <core/InteractionLoop.hpp>
-#include <lib/base/Logging.hpp>
 #include <lib/factory/ClassFactory.hpp>
 #include <pkg/common/Collider.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
 
 #include <array>
+#include <iostream>
 #include <map>
 #include <tuple>
 
@@ -102,7 +102,7 @@ namespace {
 } // namespace
 
 void warn(const string& what) {
-    if (!PyGILState_Check()) LOG_WARN(what);
+    if (!PyGILState_Check()) std::cerr << "ancf WARNING: " << what << std::endl;
     else if (PyErr_WarnEx(PyExc_UserWarning, what.c_str(), 1) < 0) py::throw_error_already_set();
 }
 

@@ -123,6 +123,40 @@ def test_refused(before, named, tmp_path):
         assert word in message
 
 
+@pytest.mark.parametrize(
+    "missing, package, code",
+    [
+        ("scipy", "python3-scipy", "import ancf.capture"),
+        ("scipy", "python3-scipy", "from ancf.campaign import statistics"),
+        ("scipy", "python3-scipy", "from ancf import campaign; campaign.uniform(0, 1)"),
+        ("scipy", "python3-scipy", "from ancf import campaign; campaign.normal(0, 1)"),
+        ("vtkmodules", "python3-vtk9", "import ancf.capture"),
+        ("vtkmodules", "python3-vtk9", "import ancf.render"),
+        ("vtkmodules", "python3-vtk9", "import ancf.vtk"),
+        ("matplotlib", "python3-matplotlib", "import ancf.plots"),
+        ("tqdm", "python3-tqdm", "next(ancf.progress(1, 1))"),
+    ],
+)
+def test_missing_packages_are_named(missing, package, code, tmp_path):
+    """Only by what needs them: ancf and its campaigns are there without."""
+    script = f"""
+        import sys
+
+        sys.modules["{missing}"] = None
+        import ancf
+        import ancf.campaign
+        import ancf.mpi
+
+        try:
+            {code}
+        except ImportError as e:
+            assert "apt install {package}" in str(e) and e.name.startswith("{missing}"), e
+        else:
+            raise AssertionError("not needed")
+    """
+    run(script, tmp_path, PYTHON)
+
+
 def test_refused_while_running(tmp_path):
     code = """
         from yade import O

@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 from yade import O, wrapper
 
 from . import values
+from .needs import needed
 from .structure import findBody, matrix
 from .surfaces import solids, surfaces
+
+with needed("python3-scipy"):
+    from scipy.spatial import ConvexHull, QhullError
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,16 @@
 """Curves over time, by matplotlib without a screen; and films, which ancf.render draws."""
 
-import matplotlib
+import numpy as np
+from yade import O
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from yade import O  # noqa: E402
+from .needs import needed
+from .render import Film
 
-from .render import Film  # noqa: E402
+with needed("python3-matplotlib"):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
 
 __all__ = ["Film", "History", "plt"]
 

@@ -7,30 +7,35 @@ import shutil
 import subprocess
 from dataclasses import dataclass
 
-import matplotlib.colors
 import numpy as np
-import vtkmodules.vtkRenderingFreeType  # noqa: F401  draws text
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkLookupTable
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkPolyDataNormals, vtkTubeFilter
-from vtkmodules.vtkIOImage import vtkPNGWriter
-from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
-from vtkmodules.vtkRenderingCore import (
-    vtkActor,
-    vtkActor2D,
-    vtkGlyph3DMapper,
-    vtkLight,
-    vtkPolyDataMapper,
-    vtkPolyDataMapper2D,
-    vtkRenderer,
-    vtkTextActor,
-    vtkWindowToImageFilter,
-)
-from vtkmodules.vtkRenderingOpenGL2 import vtkXOpenGLRenderWindow
 from yade import O, wrapper
 
 from . import values
+from .needs import needed
+
+with needed("python3-matplotlib"):
+    import matplotlib.colors
+with needed("python3-vtk9"):
+    import vtkmodules.vtkRenderingFreeType  # noqa: F401  draws text
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkLookupTable
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkPolyDataNormals, vtkTubeFilter
+    from vtkmodules.vtkIOImage import vtkPNGWriter
+    from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
+    from vtkmodules.vtkRenderingCore import (
+        vtkActor,
+        vtkActor2D,
+        vtkGlyph3DMapper,
+        vtkLight,
+        vtkPolyDataMapper,
+        vtkPolyDataMapper2D,
+        vtkRenderer,
+        vtkTextActor,
+        vtkWindowToImageFilter,
+    )
+    from vtkmodules.vtkRenderingOpenGL2 import vtkXOpenGLRenderWindow
+
 from .surfaces import addField, polyData, solids, sphere, surfaces, vtkPointsOf
 
 SKY = "#f4f6f8"

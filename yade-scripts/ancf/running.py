@@ -8,6 +8,7 @@ import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
+from .needs import needed
 from .structure import cableEngines
 
 
@@ -26,7 +27,8 @@ def progress(duration, every, title="run"):
 
 
 def _steps(duration, every, title):
-    from tqdm import tqdm  # only where something is shown
+    with needed("python3-tqdm"):  # only where something is shown
+        from tqdm import tqdm
 
     form = "{desc} {percentage:3.0f}% |{bar}| {n:.3g} of {total:.3g} s simulated, {remaining} left"
     start = O.time

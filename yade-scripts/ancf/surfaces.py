@@ -1,13 +1,16 @@
 """Surfaces of bodies, as points and faces, for pictures and for ParaView."""
 
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-from vtkmodules.vtkFiltersSources import vtkSphereSource
 from yade import O, wrapper
 
+from .needs import needed
 from .structure import matrix
+
+with needed("python3-vtk9"):
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.vtkFiltersSources import vtkSphereSource
 
 AROUND = 64  # faces around a sheave
 

@@ -3,11 +3,15 @@
 import os
 
 import numpy as np
-from vtkmodules.vtkCommonCore import vtkIdList
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-from vtkmodules.vtkFiltersCore import vtkAppendPolyData
-from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 from yade import O
+
+from .needs import needed
+
+with needed("python3-vtk9"):
+    from vtkmodules.vtkCommonCore import vtkIdList
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.vtkFiltersCore import vtkAppendPolyData
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from .surfaces import addField, polyData, solids, surfaces, vtkPointsOf
 

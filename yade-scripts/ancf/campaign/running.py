@@ -8,6 +8,7 @@ import queue
 import sys
 
 from .. import values
+from ..needs import needed
 from . import worker
 from .results import Keeper, Results
 from .tables import Table
@@ -157,7 +158,8 @@ def _pool(scheduler, workers):
 
 def _runAll(pool, kept, table, scene, digest, limit):
     """Hands out all open runs, and keeps each when it is there."""
-    from tqdm import tqdm
+    with needed("python3-tqdm"):
+        from tqdm import tqdm
 
     numbers, there = {}, queue.SimpleQueue()
     for number in kept.open():

@@ -4,9 +4,12 @@ import dataclasses
 import math
 
 import numpy as np
-from scipy import linalg, special, stats
 
 from .. import values
+from ..needs import needed
+
+with needed("python3-scipy"):
+    from scipy import linalg, special, stats
 
 METHODS = ("wilson", "exact")
 CONFIDENCE = 0.95

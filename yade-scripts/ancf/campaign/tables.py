@@ -9,6 +9,7 @@ import pathlib
 import numpy as np
 
 from .. import values
+from ..needs import needed
 
 OWN = ("run", "finished", "worker", "cpuSeconds", "error")  # columns of the results' own
 
@@ -123,7 +124,8 @@ def draw(runs, seed=1, **distributions):
 
 def uniform(low, high):
     """Any number from low to high, each as likely."""
-    from scipy import stats
+    with needed("python3-scipy"):
+        from scipy import stats
 
     low, high = (values.finite(f"uniform: {n}", x, "") for n, x in (("low", low), ("high", high)))
     if low >= high:
@@ -133,7 +135,8 @@ def uniform(low, high):
 
 def normal(mean, deviation):
     """Normally distributed numbers; deviation: the standard one."""
-    from scipy import stats
+    with needed("python3-scipy"):
+        from scipy import stats
 
     mean = values.finite("normal: mean", mean, "")
     return stats.norm(mean, values.positive("normal: deviation", deviation, "unit of the mean"))

@@ -4,7 +4,6 @@
 
 #include <core/Omega.hpp>
 #include <core/Timing.hpp>
-#include <lib/base/Logging.hpp>
 #include <lib/serialization/Serializable.hpp>
 
 namespace yade {
