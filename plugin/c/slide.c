@@ -131,6 +131,12 @@ void ancf_slides_destroy(ancf_model* m) {
 
 // ---------------------------------------------------------------- held across
 
+// Three rows of the inverse, which is symmetric, times a velocity.
+ANCF_CLONES static void subtract_rows(double* restrict sum, const double* restrict row, const double v[3], int n) {
+    const double a = v[0], b = v[1], c = v[2];
+    for (int i = 0; i < n; ++i) sum[i] -= a * row[i] + b * row[n + i] + c * row[2 * n + i];
+}
+
 void ancf_slides_hold(double (*impulse)[3], const ancf_model* m, double (*velocity)[3]) {
     const struct ancf_sliding* s = m->sliding;
     const int n = m->n_slides;
@@ -140,11 +146,7 @@ void ancf_slides_hold(double (*impulse)[3], const ancf_model* m, double (*veloci
         across(off, &m->slide[j], velocity[j]);
         if (off[0] == 0.0 && off[1] == 0.0 && off[2] == 0.0) continue;
         for (int c = 0; c < 3 && !s->inverse; ++c) impulse[j][c] = -off[c] / s->own[j];
-        for (int i = 0; i < n && s->inverse; ++i)
-            for (int k = 0; k < 3; ++k) {
-                const double* row = s->inverse + (3 * i + k) * 3 * n + 3 * j;
-                impulse[i][k] -= row[0] * off[0] + row[1] * off[1] + row[2] * off[2];
-            }
+        if (s->inverse) subtract_rows(*impulse, s->inverse + 9 * j * n, off, 3 * n);
     }
 }
 

@@ -437,7 +437,9 @@ static void kick_freely(ancf_table* t, int place, const double impulse[3], doubl
 
 // Gives the nodes that slide what was found to hold them.
 static void kick_slides(ancf_table* t, double rest) {
-    for (int i = 0; i < t->model->n_slides; ++i) kick_freely(t, t->slides + i, t->hold[i], rest);
+    for (int i = 0; i < t->model->n_slides; ++i)
+        if (t->hold[i][0] != 0.0 || t->hold[i][1] != 0.0 || t->hold[i][2] != 0.0)
+            kick_freely(t, t->slides + i, t->hold[i], rest);
 }
 
 void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest) {

@@ -101,6 +101,6 @@ def test_developers_pages_name_files_that_are_there(page):
 
 @pytest.mark.parametrize("cls", [ancf.Cable, ancf.Line, ancf.Net])
 def test_docstrings_name_all_arguments_and_no_others(cls):
-    told = re.findall(r"^    (\w[\w, ]*?) {2,}\S", cls.__doc__, re.M)
+    told = re.findall(r"^(\w[\w, ]*?) {2,}\S", inspect.getdoc(cls), re.M)
     told = [name for names in told for name in names.split(", ")]
     assert sorted(told) == sorted(set(inspect.signature(cls).parameters))

@@ -78,6 +78,24 @@ def test_half_a_catenary(stiff, model):
     assert c.point(1)[0] == 0 and c.point(1)[1] == 0
 
 
+def test_tension_ends_at_a_rail(stiff):
+    """A rail across a cable takes a pull along it as a fixed knot does, and tensions are told as there."""
+    told = []
+    for slides in (True, False):
+        c = cable(((0, 0, 0), (0.2, 0, 0), (0.5, 0, 0)), 2, bending=0)
+        c.fix(0)
+        if slides:
+            c.slide(1, (0, 1, 1))
+        else:
+            c.fix(1)
+        c.load(2, (30, 0, 0))
+        c.append()
+        c.relax(1e-10)
+        told.append([*c.reaction(0), *c.reaction(1), *c.tensions(8)])
+    assert told[0] == pytest.approx(told[1], abs=1e-6)
+    assert max(told[1]) > 29 and abs(told[1][6]) < 3
+
+
 def test_it_slides_until_what_it_lies_on_carries_it(stiff):
     """By relaxation, as it comes near a floor: the rail takes none of the weight."""
     plane((0, 0, -0.45), (2, 2, 0.05), material="stiff")

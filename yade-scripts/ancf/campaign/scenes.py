@@ -123,6 +123,7 @@ def endWithParent():
 
 def main(socket, scene):
     endWithParent()
+    sys.stdout.reconfigure(line_buffering=True)  # of a run that crashes, its last words are kept
     connection = Connection(int(socket))
     try:
         module = load(scene)
