@@ -1,7 +1,8 @@
 #include "ancf/step.h"
 #include "account.h"
+#include "ancf/balance.h"
 #include "ancf/elastic.h"
-#include "ancf/mass.h"
+#include "factor.h"
 #include "held.h"
 #include "internal.h"
 #include "massdamp.h"
@@ -34,24 +35,75 @@ void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
     ancf_mass_solve(m, m->a, m->f);
 }
 
+// Accelerations where the mass matrix is diagonal, and velocities after a kick by them. `booked`: twice the kinetic
+// energy by balance.h, of v + lead a and the velocity after, else 0.
+ANCF_INLINE double kick_all(const ancf_model* m, double kick, double lead, int booked) {
+    const double *inverse = ancf_mass_inverse(m), *own = m->mass->own;
+    double twice = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        double *a = m->a + c * m->stride, *after = m->free + c * m->stride;
+        const double *f = m->f + c * m->stride, *v = m->v + c * m->stride;
+#pragma omp simd reduction(+ : twice)
+        for (int i = 0; i < m->stride; ++i) {
+            const double change = inverse[i] > 0.0 ? inverse[i] * f[i] : a[i], next = v[i] + kick * change;
+            a[i] = change;
+            after[i] = next;
+            if (booked) twice += own[i] * ((v[i] + lead * change) * next);
+        }
+    }
+    return twice;
+}
+
+ANCF_CLONES static void kick_lumped(const ancf_model* m, double kick) { kick_all(m, kick, 0.0, 0); }
+
+ANCF_CLONES static double kick_booked(const ancf_model* m, double kick, double lead) {
+    return kick_all(m, kick, lead, 1);
+}
+
+static void kick_consistent(const ancf_model* m, double kick) {
+    ancf_mass_solve(m, m->a, m->f);
+    add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
+}
+
+static void predict_booked(ancf_model* m, const ancf_time* time) {
+    ancf_books books;
+    const double kick = ancf_kick(time);
+    ancf_elastic_force_booked(&books, m, m->f, m->x, m->v);
+    ancf_add_loads(m, m->f, m->v);
+    if (ancf_mass_diagonal(m)) {
+        m->kinetic = 0.5 * kick_booked(m, kick, 0.5 * (time->last - time->step));
+    } else {
+        kick_consistent(m, kick);
+    }
+    ancf_held_set(m, m->free);
+    m->elastic = books.elastic;
+    // What the damping forces do in the kick: half of that at the velocity before, half at that after they have
+    // acted and no contact yet; their work on the mean, to the rounding of the scheme.
+    m->damping_power[0] = books.power + ancf_massdamp_power(m, m->v, m->v);
+    m->damping_power[1] = ancf_elastic_power(m, m->free) + ancf_massdamp_power(m, m->v, m->free);
+    if (!ancf_mass_diagonal(m)) m->kinetic = ancf_kinetic_kept(m, time->last, time->step);
+}
+
 void ancf_predict(ancf_model* m, const ancf_time* time) {
     const double kick = ancf_kick(time);
     ancf_held_accelerate(m, kick);
     if (m->track) {
-        ancf_books books;
-        ancf_elastic_force_booked(&books, m, m->f, m->x, m->v);
-        m->elastic = books.elastic;
-        m->damping_power[0] = books.power + ancf_massdamp_power(m, m->v, m->v);
-    } else {
-        ancf_elastic_force(m, m->f, m->x, m->v);
+        predict_booked(m, time);
+        return;
     }
-    ancf_add_loads(m, m->f, m->v);
-    ancf_mass_solve(m, m->a, m->f);
-    add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
+    ancf_total_force(m, m->x, m->v);
+    if (ancf_mass_diagonal(m)) kick_lumped(m, kick);
+    else kick_consistent(m, kick);
     ancf_held_set(m, m->free);
-    // What the damping forces do in the kick: half of that at the velocity before, half at that after they have
-    // acted and no contact yet; their work on the mean, to the rounding of the scheme.
-    if (m->track) m->damping_power[1] = ancf_elastic_power(m, m->free) + ancf_massdamp_power(m, m->v, m->free);
+}
+
+ANCF_CLONES static void move(const ancf_model* m, double step, const double* after) {
+    double *x = m->x, *v = m->v;
+#pragma GCC ivdep
+    for (int i = 0; i < 3 * m->stride; ++i) {
+        v[i] = after[i];
+        x[i] = x[i] + step * after[i];
+    }
 }
 
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift) {
@@ -63,8 +115,7 @@ void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, con
     }
     if (after != m->free)
         for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / kick;
-    memcpy(m->v, after, field_size(m));
-    add_scaled(m->x, m->x, time->step, m->v, n);
+    move(m, time->step, after);
     if (shift) add_scaled(m->x, m->x, 1.0, shift, n);
 }
 

@@ -107,7 +107,7 @@ void CableEngine::measureEnergy(const ancf_time& time) {
     }
     elasticAt = m->elastic;
     heightAt = ancf_height(m);
-    kineticAt = ancf_kinetic_kept(m, last, next);
+    kineticAt = leapfrog && m->track ? m->kinetic : ancf_kinetic_kept(m, last, next);
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         if (carrierOf(carryIds[i]) < 0) continue;
         const Vector3r a = nodeOf(m->a, m->stride, carryNodes[i]);
