@@ -1,5 +1,6 @@
 #include "kernel.h"
 #include "gram.h"
+#include "lanes.h"
 
 #include <float.h>
 
@@ -93,11 +94,12 @@ ANCF_INLINE double bent_of(const double G[ANCF_GRAM], int bending, double ei) {
     return 0.5 * ei * (bending == ANCF_FAST ? G[ANCF_QQ] + 3.0 * G[ANCF_KK] : exact_curvature2(G));
 }
 
-ANCF_INLINE double sum_of(const double* a, int n) {
-    double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-    for (int e = 0; e < n; ++e) sum += a[e];
-    return sum;
+// Of a tile's room, of which n are taken.
+ANCF_INLINE double sum_of(double a[ANCF_TILE], int n) {
+    ancf_lanes sum = {0.0};
+    for (int e = n; e % ANCF_LANES; ++e) a[e] = 0.0;
+    for (int e = 0; e < n; e += ANCF_LANES) sum += ancf_lanes_at(a + e);
+    return ancf_lanes_sum(&sum);
 }
 
 // What single elements store and what their Kelvin-Voigt forces do, summed up after a loop, so that this stays one lane
@@ -116,7 +118,7 @@ ANCF_INLINE void open_books(books* to, const ancf_account* account, const ancf_f
     }
 }
 
-ANCF_INLINE void close_books(ancf_account* account, const books* from, int damped) {
+ANCF_INLINE void close_books(ancf_account* account, books* from, int damped) {
     account->elastic = sum_of(from->stored, from->slow.n);
     account->power = damped ? sum_of(from->power, from->slow.n) : 0.0;
 }
@@ -354,10 +356,17 @@ void ancf_kernel_energy(ancf_energies* energy, const ancf_fields* fields, int ki
 
 ANCF_CLONES void ancf_kernel_power(double* power, const ancf_fields* fields) {
     const ancf_fields K = *fields;
-    double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-    for (int e = 0; e < K.n; ++e)
+    ancf_lanes sum[3] = {{0.0}, {0.0}, {0.0}};
+    double rest = 0.0;
+    int e = 0;
+    for (; e + ANCF_LANES <= K.n; e += ANCF_LANES)
         for (int c = 0; c < 3; ++c)
-            sum += K.fd[c][e] * K.wayv[c][e] + K.f0[c][e] * K.g0v[c][e] + K.f1[c][e] * K.g1v[c][e];
-    *power = sum;
+            sum[c] += ancf_lanes_at(K.fd[c] + e) * ancf_lanes_at(K.wayv[c] + e) +
+                      ancf_lanes_at(K.f0[c] + e) * ancf_lanes_at(K.g0v[c] + e) +
+                      ancf_lanes_at(K.f1[c] + e) * ancf_lanes_at(K.g1v[c] + e);
+    for (; e < K.n; ++e)
+        for (int c = 0; c < 3; ++c)
+            rest += K.fd[c][e] * K.wayv[c][e] + K.f0[c][e] * K.g0v[c][e] + K.f1[c][e] * K.g1v[c][e];
+    sum[0] += sum[1] + sum[2];
+    *power = ancf_lanes_sum(sum) + rest;
 }

@@ -4,7 +4,7 @@
 #include "ancf/elastic.h"
 #include "factor.h"
 #include "held.h"
-#include "internal.h"
+#include "lanes.h"
 #include "massdamp.h"
 
 #include <string.h>
@@ -35,29 +35,34 @@ void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
     ancf_mass_solve(m, m->a, m->f);
 }
 
-// Accelerations where the mass matrix is diagonal, and velocities after a kick by them. `booked`: twice the kinetic
-// energy by balance.h, of v + lead a and the velocity after, else 0.
-ANCF_INLINE double kick_all(const ancf_model* m, double kick, double lead, int booked) {
-    const double *inverse = ancf_mass_inverse(m), *own = m->mass->own;
-    double twice = 0.0;
+// Accelerations where the mass matrix is diagonal, and velocities after a kick by them.
+ANCF_CLONES static void kick_lumped(const ancf_model* m, double kick) {
+    const double* inverse = ancf_mass_inverse(m);
     for (int c = 0; c < 3; ++c) {
         double *a = m->a + c * m->stride, *after = m->free + c * m->stride;
         const double *f = m->f + c * m->stride, *v = m->v + c * m->stride;
-#pragma omp simd reduction(+ : twice)
+#pragma GCC ivdep
         for (int i = 0; i < m->stride; ++i) {
-            const double change = inverse[i] > 0.0 ? inverse[i] * f[i] : a[i], next = v[i] + kick * change;
+            const double change = inverse[i] > 0.0 ? inverse[i] * f[i] : a[i];
             a[i] = change;
-            after[i] = next;
-            if (booked) twice += own[i] * ((v[i] + lead * change) * next);
+            after[i] = v[i] + kick * change;
         }
     }
-    return twice;
 }
 
-ANCF_CLONES static void kick_lumped(const ancf_model* m, double kick) { kick_all(m, kick, 0.0, 0); }
-
-ANCF_CLONES static double kick_booked(const ancf_model* m, double kick, double lead) {
-    return kick_all(m, kick, lead, 1);
+// Kinetic energy by balance.h of v + lead a and the velocity after the kick, of a diagonal mass matrix.
+ANCF_CLONES static double kinetic_lumped(const ancf_model* m, double lead) {
+    const int s = m->stride;
+    const double *own = m->mass->own, *v = m->v, *a = m->a, *after = m->free;
+    ancf_lanes twice[3] = {{0.0}, {0.0}, {0.0}};
+    for (int i = 0; i < s; i += ANCF_LANES)
+        for (int c = 0; c < 3; ++c) {
+            const int j = c * s + i;
+            twice[c] += ancf_lanes_at(own + i) *
+                        ((ancf_lanes_at(v + j) + lead * ancf_lanes_at(a + j)) * ancf_lanes_at(after + j));
+        }
+    twice[0] += twice[1] + twice[2];
+    return 0.5 * ancf_lanes_sum(twice);
 }
 
 static void kick_consistent(const ancf_model* m, double kick) {
@@ -71,7 +76,8 @@ static void predict_booked(ancf_model* m, const ancf_time* time) {
     ancf_elastic_force_booked(&books, m, m->f, m->x, m->v);
     ancf_add_loads(m, m->f, m->v);
     if (ancf_mass_diagonal(m)) {
-        m->kinetic = 0.5 * kick_booked(m, kick, 0.5 * (time->last - time->step));
+        kick_lumped(m, kick);
+        m->kinetic = kinetic_lumped(m, 0.5 * (time->last - time->step));
     } else {
         kick_consistent(m, kick);
     }
