@@ -34,26 +34,20 @@ static double kinetic_whole(const ancf_model* m) {
 }
 
 // mid M mid/2 - half M half/2 of mid = v + last a/2 and half = step a/2 is (mid - half) M (mid + half)/2.
-static double kept_of(const ancf_model* m, int e, double last, double step) {
-    double M[4][4], sum = 0.0;
-    int dof[4];
-    ancf_mass_element(M, &m->element[e]);
-    ancf_model_dofs(dof, m, e);
-    for (int c = 0; c < 3; ++c) {
-        const double *v = m->v + c * m->stride, *a = m->a + c * m->stride;
-        for (int i = 0; i < 4; ++i) {
-            const double less = v[dof[i]] + 0.5 * (last - step) * a[dof[i]];
-            for (int j = 0; j < 4; ++j) sum += less * M[i][j] * (v[dof[j]] + 0.5 * (last + step) * a[dof[j]]);
-        }
-    }
-    return 0.5 * sum;
-}
-
 double ancf_kinetic_kept(const ancf_model* m, double last, double step) {
     if (ancf_mass_diagonal(m)) return ancf_mass_kinetic_kept(m, last, step);
-    double sum = 0.0;
-    for (int e = 0; e < m->n_elements; ++e) sum += kept_of(m, e, last, step);
-    return sum;
+    const int n = 3 * m->stride;
+    double *more = m->work, *momentum = more + n, twice = 0.0;
+    for (int i = 0; i < n; ++i) more[i] = m->v[i] + 0.5 * (last + step) * m->a[i];
+    ancf_mass_multiply(m, momentum, more);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < m->n_dof; ++i) {
+            const int j = c * m->stride + i;
+            if (!ancf_model_counts(m, i)) continue;
+            const double added = i < m->n_nodes ? ancf_mass_added(m, i) : 0.0;
+            twice += (m->v[j] + 0.5 * (last - step) * m->a[j]) * (momentum[j] - added * more[j]);
+        }
+    return 0.5 * twice;
 }
 
 void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end) {

@@ -20,14 +20,10 @@ void ancf_elastic_force(ancf_model* m, double* force, const double* x, const dou
     ancf_tile_gather(force, m, 0, m->n_nodes);
 }
 
-static void add(ancf_account* sum, const ancf_account* more) {
-    sum->axial += more->axial;
-    sum->bending += more->bending;
-}
-
 void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, const double* x, int begin, int end) {
     double way[3][ANCF_TILE], wayv[3][ANCF_TILE];
-    ancf_account sum = {0}, one;
+    ancf_energies one;
+    *axial = *bending = 0.0;
     for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
         ancf_tile part = *t;
         if (part.begin < begin) part.begin = begin;
@@ -38,46 +34,51 @@ void ancf_elastic_energy(double* axial, double* bending, const ancf_model* m, co
         k.ea = m->ea_length + part.begin;
         k.ei = m->ei_length + part.begin;
         k.eta = m->damping + part.begin;
-        ancf_kernel_books(&one, &k, t->kind, t->bending, false);
-        add(&sum, &one);
+        ancf_kernel_energy(&one, &k, t->kind, t->bending);
+        *axial += one.axial;
+        *bending += one.bending;
     }
-    *axial = sum.axial;
-    *bending = sum.bending;
 }
 
 static bool slows(const ancf_tile* t) { return t->damped || t->kind & ANCF_SPRING; }
 
-// Kelvin-Voigt forces of a tile in m->work: those on slopes where a field has them, those on nodes behind the field.
-static void find_books(ancf_fields* k, const ancf_model* m, const ancf_tile* t) {
-    put_slopes(k, m, t, m->work);
-    for (int c = 0; c < 3; ++c) k->fd[c] = m->work + 3 * m->stride + c * m->n_elements + t->begin;
+// Where Kelvin-Voigt forces of a tile are put: in m->work, those on slopes where a field has them, those on nodes
+// behind the field.
+static ancf_account account_of(const ancf_model* m, const ancf_tile* t) {
+    ancf_account account;
+    for (int c = 0; c < 3; ++c) {
+        account.f0[c] = m->work + c * m->stride + m->n_nodes + t->begin;
+        account.f1[c] = account.f0[c] + m->n_elements;
+        account.fd[c] = m->work + 3 * m->stride + c * m->n_elements + t->begin;
+    }
+    return account;
 }
 
 void ancf_elastic_force_booked(ancf_books* books, ancf_model* m, double* force, const double* x, const double* v) {
-    double way[3][ANCF_TILE], wayv[3][ANCF_TILE], power;
-    ancf_account sum = {0}, one;
-    books->power = 0.0;
+    double way[3][ANCF_TILE], wayv[3][ANCF_TILE];
+    *books = (ancf_books) {0.0, 0.0};
     for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
         ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
+        ancf_account account = account_of(m, t);
         put_slopes(&k, m, t, force);
-        ancf_kernel(&k, t->kind, t->bending, t->damped);
-        find_books(&k, m, t);
-        ancf_kernel_books(&one, &k, t->kind, t->bending, slows(t));
-        add(&sum, &one);
-        if (!slows(t)) continue;
-        ancf_kernel_power(&power, &k);
-        books->power += power;
+        ancf_kernel_booked(&account, &k, t->kind, t->bending, t->damped);
+        books->elastic += account.elastic;
+        books->power += account.power;
     }
     ancf_tile_gather(force, m, 0, m->n_nodes);
-    books->elastic = sum.axial + sum.bending;
 }
 
 double ancf_elastic_power(const ancf_model* m, const double* v) {
     double wayv[3][ANCF_TILE], sum = 0.0, power;
     for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
         if (!slows(t)) continue;
+        const ancf_account account = account_of(m, t);
         ancf_fields k = {.n = t->end - t->begin};
-        find_books(&k, m, t);
+        for (int c = 0; c < 3; ++c) {
+            k.f0[c] = account.f0[c];
+            k.f1[c] = account.f1[c];
+            k.fd[c] = account.fd[c];
+        }
         ancf_tile_rates(&k, m, t, v, wayv);
         ancf_kernel_power(&power, &k);
         sum += power;
@@ -86,19 +87,21 @@ double ancf_elastic_power(const ancf_model* m, const double* v) {
 }
 
 double ancf_damping_power(const ancf_model* m, const double* x, const double* v) {
-    double way[3][ANCF_TILE], wayv[3][ANCF_TILE], force[9][ANCF_TILE], sum = 0.0, power;
-    ancf_account unused;
+    double way[3][ANCF_TILE], wayv[3][ANCF_TILE], force[18][ANCF_TILE], sum = 0.0;
     for (const ancf_tile* t = m->tile; t < m->tile + m->n_tiles; ++t) {
         if (!slows(t)) continue;
         ancf_fields k = ancf_tile_fields(m, t, x, v, way, wayv);
+        ancf_account account;
         for (int c = 0; c < 3; ++c) {
             k.f0[c] = force[c];
             k.f1[c] = force[3 + c];
             k.fd[c] = force[6 + c];
+            account.f0[c] = force[9 + c];
+            account.f1[c] = force[12 + c];
+            account.fd[c] = force[15 + c];
         }
-        ancf_kernel_books(&unused, &k, t->kind, t->bending, true);
-        ancf_kernel_power(&power, &k);
-        sum -= power;
+        ancf_kernel_booked(&account, &k, t->kind, t->bending, t->damped);
+        sum -= account.power;
     }
     return sum;
 }

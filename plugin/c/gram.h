@@ -72,7 +72,8 @@ ANCF_INLINE double ancf_axial_energy(const double G[ANCF_GRAM], const ancf_rule*
     double E[5];
     ancf_strains(E, G, rule, 1.0);
     return 0.5 * ea_length *
-           (E[0] * E[0] + E[1] * E[1] / 3.0 + E[2] * E[2] / 5.0 + E[3] * E[3] / 7.0 + E[4] * E[4] / 9.0);
+           (E[0] * E[0] + (1.0 / 3.0) * (E[1] * E[1]) + (1.0 / 5.0) * (E[2] * E[2]) + (1.0 / 7.0) * (E[3] * E[3]) +
+            (1.0 / 9.0) * (E[4] * E[4]));
 }
 
 // h = its derivatives by G, or their rates.

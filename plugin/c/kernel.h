@@ -20,11 +20,21 @@ typedef struct {
 void ancf_kernel(const ancf_fields* fields, int kind, bool bending, bool damped);
 
 typedef struct {
-    double axial, bending; // energy [J]
+    double axial, bending; // [J]
+} ancf_energies;
+
+// Energies of n elements without forces.
+void ancf_kernel_energy(ancf_energies* energy, const ancf_fields* fields, int kind, bool bending);
+
+// What elements store, and what damping does.
+typedef struct {
+    double elastic;                // energy [J]
+    double *f0[3], *f1[3], *fd[3]; // Kelvin-Voigt forces alone, of elements that have them
+    double power;                  // of these at the elements' rates [W]
 } ancf_account;
 
-// Energies of n elements; damped: and their Kelvin-Voigt forces alone, where ancf_kernel would leave all forces.
-void ancf_kernel_books(ancf_account* account, const ancf_fields* fields, int kind, bool bending, bool damped);
+// ancf_kernel, to the last bit, and the account of its elements.
+void ancf_kernel_booked(ancf_account* account, const ancf_fields* fields, int kind, bool bending, bool damped);
 
 // Power of n elements' forces at their rates [W].
 void ancf_kernel_power(double* power, const ancf_fields* fields);

@@ -120,6 +120,8 @@ ANCF_INLINE bool invert(ancf_column* D) {
     return d0 > 0.0 && d1 > 0.0 && d2 > 0.0;
 }
 
+ANCF_INLINE ancf_column lanes(double x) { return (ancf_column) {x, x, x, x}; }
+
 // Right-looking: every column A, once it is known, becomes L = A D^-1 and is taken off those to its right, as L A^T.
 ANCF_CLONES bool ancf_ldl_factor(ancf_ldl* a) {
     const int *begin = a->begin, *index = a->index;
@@ -134,12 +136,16 @@ ANCF_CLONES bool ancf_ldl_factor(ancf_ldl* a) {
             for (int c = 0; c < 3; ++c) L[c] = A[0] * D[c][0] + A[1] * D[c][1] + A[2] * D[c][2];
         }
         for (int k = 0; k < count; ++k) {
-            const ancf_column* A = known[k];
+            const ancf_column* entry = known[k];
+            const ancf_column A[3][3] = {{lanes(entry[0][0]), lanes(entry[0][1]), lanes(entry[0][2])},
+                                         {lanes(entry[1][0]), lanes(entry[1][1]), lanes(entry[1][2])},
+                                         {lanes(entry[2][0]), lanes(entry[2][1]), lanes(entry[2][2])}};
             int place = begin[index[first + k]];
             for (int i = k; i < count; ++i) {
                 while (index[place] != index[first + i]) ++place;
                 const ancf_column* L = value[first + i];
-                for (int c = 0; c < 3; ++c) value[place][c] -= L[0] * A[0][c] + L[1] * A[1][c] + L[2] * A[2][c];
+                const ancf_column L0 = L[0], L1 = L[1], L2 = L[2];
+                for (int c = 0; c < 3; ++c) value[place][c] -= L0 * A[0][c] + L1 * A[1][c] + L2 * A[2][c];
             }
         }
     }

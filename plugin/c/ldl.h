@@ -10,7 +10,7 @@
 typedef double ancf_column __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
 typedef ancf_column ancf_block[3];
 
-typedef struct {
+typedef struct ancf_ldl {
     int n;              // rows and columns of blocks
     int *begin, *index; // (n + 1), (begin[n]) blocks of each column, the diagonal one first, rows ascending
     int* row;           // (n) of the matrix for an unknown: the order that keeps L sparse

@@ -1,9 +1,10 @@
 #include "ancf/step.h"
 #include "account.h"
+#include "ancf/balance.h"
 #include "ancf/elastic.h"
-#include "ancf/mass.h"
+#include "factor.h"
 #include "held.h"
-#include "internal.h"
+#include "lanes.h"
 #include "massdamp.h"
 #include "slide.h"
 
@@ -35,24 +36,94 @@ void ancf_acceleration(ancf_model* m, const double* x, const double* v) {
     ancf_mass_solve(m, m->a, m->f);
 }
 
+// Accelerations where the mass matrix is diagonal, and velocities after a kick by them.
+ANCF_CLONES static void kick_lumped(const ancf_model* m, double kick) {
+    const double* inverse = ancf_mass_inverse(m);
+    for (int c = 0; c < 3; ++c) {
+        double *a = m->a + c * m->stride, *after = m->free + c * m->stride;
+        const double *f = m->f + c * m->stride, *v = m->v + c * m->stride;
+#pragma GCC ivdep
+        for (int i = 0; i < m->stride; ++i) {
+            const double change = inverse[i] > 0.0 ? inverse[i] * f[i] : a[i];
+            a[i] = change;
+            after[i] = v[i] + kick * change;
+        }
+    }
+}
+
+// m->kinetic and m->kinetic_mean where the mass matrix is diagonal.
+ANCF_CLONES static void note_kinetic_lumped(ancf_model* m, double last, double step) {
+    const int s = m->stride;
+    const double *own = m->mass->own, *v = m->v, *a = m->a, *after = m->free;
+    const double lead = 0.5 * (last - step), half = 0.5 * last;
+    ancf_lanes kept[3] = {{0.0}, {0.0}, {0.0}}, mean[3] = {{0.0}, {0.0}, {0.0}};
+    for (int i = 0; i < s; i += ANCF_LANES)
+        for (int c = 0; c < 3; ++c) {
+            const int j = c * s + i;
+            const ancf_lanes mass = ancf_lanes_at(own + i), before = ancf_lanes_at(v + j), by = ancf_lanes_at(a + j),
+                             middle = before + half * by;
+            kept[c] += mass * ((before + lead * by) * ancf_lanes_at(after + j));
+            mean[c] += mass * (middle * middle);
+        }
+    kept[0] += kept[1] + kept[2];
+    mean[0] += mean[1] + mean[2];
+    m->kinetic = 0.5 * ancf_lanes_sum(kept);
+    m->kinetic_mean = 0.5 * ancf_lanes_sum(mean);
+}
+
+static void note_kinetic(ancf_model* m, double last, double step) {
+    if (ancf_mass_diagonal(m)) {
+        note_kinetic_lumped(m, last, step);
+        return;
+    }
+    m->kinetic = ancf_kinetic_kept(m, last, step);
+    m->kinetic_mean = ancf_kinetic_kept(m, last, 0.0);
+}
+
+// Accelerations by m->f, and velocities after a kick by them.
+static void kick_all(const ancf_model* m, double kick) {
+    if (ancf_mass_diagonal(m) && m->n_slides == 0) {
+        kick_lumped(m, kick);
+        return;
+    }
+    ancf_mass_solve(m, m->a, m->f);
+    add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
+}
+
+static void predict_booked(ancf_model* m, const ancf_time* time) {
+    ancf_books books;
+    const double kick = ancf_kick(time);
+    ancf_elastic_force_booked(&books, m, m->f, m->x, m->v);
+    ancf_add_loads(m, m->f, m->v);
+    kick_all(m, kick);
+    ancf_held_set(m, m->free);
+    m->elastic = books.elastic;
+    // What the damping forces do in the kick: half of that at the velocity before, half at that after they have
+    // acted and no contact yet; their work on the mean, to the rounding of the scheme.
+    m->damping_power[0] = books.power + ancf_massdamp_power(m, m->v, m->v);
+    m->damping_power[1] = ancf_elastic_power(m, m->free) + ancf_massdamp_power(m, m->v, m->free);
+    note_kinetic(m, time->last, time->step);
+}
+
 void ancf_predict(ancf_model* m, const ancf_time* time) {
     const double kick = ancf_kick(time);
     ancf_held_accelerate(m, kick);
     if (m->track) {
-        ancf_books books;
-        ancf_elastic_force_booked(&books, m, m->f, m->x, m->v);
-        m->elastic = books.elastic;
-        m->damping_power[0] = books.power + ancf_massdamp_power(m, m->v, m->v);
-    } else {
-        ancf_elastic_force(m, m->f, m->x, m->v);
+        predict_booked(m, time);
+        return;
     }
-    ancf_add_loads(m, m->f, m->v);
-    ancf_mass_solve(m, m->a, m->f);
-    add_scaled(m->free, m->v, kick, m->a, 3 * m->stride);
+    ancf_total_force(m, m->x, m->v);
+    kick_all(m, kick);
     ancf_held_set(m, m->free);
-    // What the damping forces do in the kick: half of that at the velocity before, half at that after they have
-    // acted and no contact yet; their work on the mean, to the rounding of the scheme.
-    if (m->track) m->damping_power[1] = ancf_elastic_power(m, m->free) + ancf_massdamp_power(m, m->v, m->free);
+}
+
+ANCF_CLONES static void move(const ancf_model* m, double step, const double* after) {
+    double *x = m->x, *v = m->v;
+#pragma GCC ivdep
+    for (int i = 0; i < 3 * m->stride; ++i) {
+        v[i] = after[i];
+        x[i] = x[i] + step * after[i];
+    }
 }
 
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift) {
@@ -64,9 +135,12 @@ void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, con
     }
     if (after != m->free)
         for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / kick;
-    memcpy(m->v, after, field_size(m));
-    ancf_slides_project(m, m->v); // what rounding left
-    add_scaled(m->x, m->x, time->step, m->v, n);
+    if (m->n_slides > 0) {
+        memcpy(m->v, after, field_size(m));
+        ancf_slides_project(m, m->v); // what rounding left
+        after = m->v;
+    }
+    move(m, time->step, after);
     if (shift) add_scaled(m->x, m->x, 1.0, shift, n);
     ancf_slides_place(m);
 }

@@ -52,6 +52,7 @@ void ancf_table_destroy(ancf_table* t) {
     free(t->next_on);
     free(t->effects);
     ancf_groups_free(&t->groups);
+    ancf_knots_factor_free(&t->knots);
     free(t);
 }
 
@@ -170,7 +171,7 @@ static bool make_room(ancf_table* t) {
     return ancf_reserve((void**)&t->first, &t->room_first, n + 1, sizeof *t->first) &&
            ancf_reserve((void**)&t->next, &t->room_next, 4 * n, sizeof *t->next) &&
            ancf_reserve((void**)&t->stiffness, &t->room_stiffness, n + t->n_bodies, sizeof *t->stiffness) &&
-           ancf_reserve((void**)&t->scratch, &t->room_scratch, 7 * t->n_couplings, sizeof *t->scratch) &&
+           ancf_reserve((void**)&t->scratch, &t->room_scratch, 9 * t->n_couplings, sizeof *t->scratch) &&
            ancf_reserve((void**)&t->push, &t->room_push, t->n_contacts, sizeof *t->push) &&
            ancf_reserve((void**)&t->drag, &t->room_drag, t->n_contacts, sizeof *t->drag) &&
            ancf_reserve((void**)&t->rubbing, &t->room_rubbing, t->n_contacts, sizeof *t->rubbing) &&
@@ -333,6 +334,10 @@ ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* ve
     const ancf_error error = make_effects(t);
     forget_uses(t);
     if (error) return error;
+    if (t->factored && !m->mass->diagonal && m->mass->n > 0) {
+        const ancf_error missing = ancf_knots_factor_make(&t->knots, m);
+        if (missing) return missing;
+    }
     if (!ancf_groups_make(&t->groups, t)) return ANCF_E_MEMORY;
     t->most = -1;
     for (int i = 0; i < t->n_bodies; ++i) start_body(&t->body[i]);
@@ -603,12 +608,28 @@ static void spread(const ancf_place* p, const ancf_model* m, double step, double
     }
 }
 
+static const double unmoved = 1e-15; // part of the way by a place's impulse over a whole step that is but rounding
+
+// Whether impulses move anything besides `step` times the velocity that they give: those at the start of the step do
+// not.
+static bool any_late(const ancf_table* t, double step) {
+    for (int i = 0; i < t->n_places; ++i) {
+        const ancf_place* p = &t->place[i];
+        for (int c = 0; c < 3 && !p->idle; c++) {
+            const double whole = step * p->impulse[c];
+            if (fabs(p->moment[c] - whole) > unmoved * fabs(whole)) return true;
+        }
+    }
+    return false;
+}
+
 // What they all do, by one solve for the velocity and one for the shift, in the first two fields of m->work: what
 // damping takes out of this step stands in those behind.
 static void spread_all(const ancf_table* t, const ancf_model* m, double step, double* velocity, double* shift) {
     const size_t size = 3 * (size_t)m->stride;
     double *force = m->work, *answer = force + size;
-    for (int late = 0; late < 2; ++late) {
+    const int fields = any_late(t, step) ? 2 : 1;
+    for (int late = 0; late < fields; ++late) {
         double* field = late ? shift : velocity;
         memset(force, 0, 2 * size * sizeof *force);
         for (int i = 0; i < t->n_places; ++i) {

@@ -41,6 +41,13 @@ typedef struct {
     double without[2];      // slip without its own friction, when that was found [m/s]
 } ancf_drag;
 
+// Mass matrix of the model in blocks, with what couplings add, see coupling.c.
+typedef struct {
+    struct ancf_ldl* ldl; // NULL: not made
+    double* mass;         // entries of the mass matrix at the places of its blocks
+    enum { ANCF_KNOTS_OLD, ANCF_KNOTS_NEW, ANCF_KNOTS_NONE } state; // not factored in this step, is, cannot be
+} ancf_knots_factor;
+
 struct ancf_table {
     const ancf_model* model; // that of the step
     ancf_responses* responses;
@@ -81,8 +88,9 @@ struct ancf_table {
     double* effects;
     int room_rubbing, room_part, room_first_on, room_next_on, room_effects;
     double newton[ANCF_NEWTON_ROOM];
-    int most;             // sub-steps of the group that needs most; -1: not asked
-    double (*scratch)[3]; // (7 n_couplings) for conjugate gradients
+    int most; // sub-steps of the group that needs most; -1: not asked
+    ancf_knots_factor knots;
+    double (*scratch)[3]; // (9 n_couplings) for conjugate gradients
     int room_scratch;
     double (*slip)[3]; // (n_contacts) before friction [m/s]
     int room_slip;
@@ -147,6 +155,10 @@ void ancf_table_changing(double a[3], const ancf_table* t, const ancf_contact* c
 
 // Velocity of the first side against the second's along the normal [m/s].
 double ancf_table_opening(const ancf_table* t, const ancf_contact* c);
+
+// Makes what a factor needs that is wanted in this step.
+ancf_error ancf_knots_factor_make(ancf_knots_factor* factor, const ancf_model* m);
+void ancf_knots_factor_free(ancf_knots_factor* factor);
 
 // What one place does to another.
 ancf_effects ancf_table_effects(const ancf_table* t, int from, int to);

@@ -138,6 +138,24 @@ static double power_of(const built* b, const double* force, const double* veloci
     return sum;
 }
 
+// Of elements alone: of the velocity at the positions, less that of half the kick that is ahead.
+static double kinetic_of(const built* b, const double* v, const double* a, const ancf_time* time) {
+    double sum = 0.0, M[4][4];
+    int dof[4];
+    for (int e = 0; e < b->def.n_elements; ++e) {
+        own_mass(M, &b->element[e]);
+        ancf_model_dofs(dof, b->m, e);
+        for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < 4; ++i)
+                for (int j = 0; j < 4; ++j) {
+                    const int k = c * b->stride + dof[i], l = c * b->stride + dof[j];
+                    const double mid = v[k] + 0.5 * time->last * a[k], half = 0.5 * time->step * a[k];
+                    sum += 0.5 * M[i][j] * (mid * (v[l] + 0.5 * time->last * a[l]) - half * 0.5 * time->step * a[l]);
+                }
+    }
+    return sum;
+}
+
 // A step whose energies are wanted takes the same way to the last bit. What it tells of damping is what the forces with
 // less those without rates do, at the velocities before and after the kick.
 static void energies_change_no_bit(void** state) {
@@ -155,8 +173,16 @@ static void energies_change_no_bit(void** state) {
             ancf_elastic_energy(&axial, &bending, own.m, own.x, 0, own.def.n_elements);
             ancf_elastic_force(own.m, with, own.x, own.v);
             ancf_elastic_force(own.m, without, own.x, rest);
+            time.step = 1e-4 * (1 + i % 2);
             ancf_predict(b.m, &time);
             ancf_predict(own.m, &time);
+            const double kinetic = kinetic_of(&own, own.v, own.m->a, &time);
+            const double kick = ancf_kick(&time);
+            const double terms =
+                kinetic_of(&own, own.v, rest, &time) + kick * kick * kinetic_of(&own, own.m->a, rest, &time);
+            assert_near(b.m->kinetic, kinetic, 1e-13 * terms);
+            const ancf_time at_places = {.last = time.last};
+            assert_near(b.m->kinetic_mean, kinetic_of(&own, own.v, own.m->a, &at_places), 1e-13 * terms);
             for (size_t j = 0; j < size; ++j) with[j] -= without[j];
             const double damped[2] = {power_of(&own, with, own.v), power_of(&own, with, own.m->free)};
             const double scale = 1e-9 * (fabs(power_of(&own, without, own.v)) + fabs(damped[0]) + 1e-3);
@@ -201,7 +227,8 @@ static void shared_slopes_stay_one(void** state) {
 static void threads_change_no_bit(void** state) {
     (void)state;
     const int before = omp_get_max_threads();
-    for (int net = 0; net < 2; ++net) {
+    for (int k = 0; k < 4; ++k) {
+        const int net = k % 2, track = k / 2;
         built b[3];
         for (int t = 0; t < 3; ++t) {
             uint64_t seed = 63;
@@ -214,9 +241,14 @@ static void threads_change_no_bit(void** state) {
             build_finish(&b[t]);
             ancf_time time = {0};
             omp_set_num_threads(1 + t);
+            b[t].m->track = track;
             run_leapfrog(b[t].m, 1e-4, 20, &time);
             assert_same(b[t].x, b[0].x, 3 * b[0].stride);
             assert_same(b[t].v, b[0].v, 3 * b[0].stride);
+            const double books[2][3] = {{b[0].m->elastic, b[0].m->kinetic, b[0].m->damping_work},
+                                        {b[t].m->elastic, b[t].m->kinetic, b[t].m->damping_work}};
+            assert_same(books[1], books[0], 3);
+            assert_true((b[t].m->damping_work > 0.0) == track);
         }
         for (int t = 0; t < 3; ++t) build_free(&b[t]);
     }

@@ -13,7 +13,7 @@ void ancf_energy_of(ancf_energy* energy, const ancf_model* m, int begin, int end
 
 // Kinetic energy, without added masses, that leapfrog keeps the sum of with the elastic energy of positions: of the
 // velocity there, `last` before which m->v was taken, less that of half the next kick, which lasts `step` [J]. For a
-// linear cable and even steps that sum is exact, v-^T M v+/2 + V.
+// linear cable and even steps that sum is exact, v-^T M v+/2 + V. Uses m->work.
 double ancf_kinetic_kept(const ancf_model* m, double last, double step);
 
 // Potential of gravity at the model's state, added masses included [J].

@@ -120,7 +120,8 @@ typedef struct {
     bool unloaded;           // external is zero, and is not read
     bool dragged;            // some elements have mass-proportional damping
     bool track;              // elastic and what follows are wanted
-    double elastic;          // energy at the positions that the last step started from [J]
+    double elastic, kinetic; // energies at the positions that the last step started from, as in balance.h [J]
+    double kinetic_mean;     // that of the mean of the velocities before and after them [J]
     double damping_power[2]; // of Kelvin-Voigt forces and drag in the last step, at the velocities before and after [W]
     double damping_work;     // taken out by them so far [J]
     double damping_half;     // of that, before the positions that the last step started from [J]
