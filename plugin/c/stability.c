@@ -80,6 +80,7 @@ double ancf_critical_step(const ancf_model* m, double strain, int* element) {
     *element = 0;
     for (int e = 0; e < m->n_elements; ++e) {
         const ancf_element* el = &m->element[e];
+        if (el->kind & ANCF_WOUND) continue;
         const double w = ancf_element_frequency(el) * sqrt(ancf_stiffening(el->kind, strain));
         const double z = 0.5 * (el->damping * w + el->drag / w);
         const double step = 0.9 * (2.0 / w) / (sqrt(1.0 + z * z) + z); // as sqrt(1 + z^2) - z, which would cancel

@@ -76,6 +76,7 @@ double ancf_tension(const ancf_model* m, int element, double xi) {
     slope_at(r, m, m->x, element, xi);
     if (el->kind & ANCF_SPRING) {
         slope_at(rv, m, m->v, element, xi);
+        for (int c = 0; c < 3 && m->fed; ++c) rv[c] -= m->fed[c * m->n_elements + element] * m->inv_length[element];
         const double stretch = sqrt(ancf_inner(r, r));
         const double tension = el->ea * (stretch - 1.0 + el->damping * ancf_inner(r, rv) / stretch);
         return stretch > 1.0 && tension > 0.0 ? tension : 0.0;

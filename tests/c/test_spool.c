@@ -1,0 +1,308 @@
+// A drum: statics and dynamics of what hangs from it, what a free one takes, work, and nodes that come and go.
+#include "build.h"
+
+#include "ancf/spool.h"
+
+static const double pi = 3.14159265358979323846;
+
+// A cable whose first elements are on a drum at node 0; element e ends at node e + 1.
+typedef struct {
+    built b;
+    ancf_spool s;
+    ancf_time time;
+    double each, elapsed, remeshed; // nominal length of an element [m], [s], energy by nodes that came and went [J]
+    int splits, merges;
+    double gravity[3], body, bob; // masses added at the exit and at the far end [kg]
+    bool free_exit, track;
+} rope;
+
+static void connect(rope* r) {
+    const int n = r->b.def.n_elements, c = r->s.element;
+    for (int e = 0; e < n; ++e) {
+        r->b.ends[2 * e] = e <= c ? 0 : e;
+        r->b.ends[2 * e + 1] = e < c ? 0 : e + 1;
+        r->b.element[e].kind = e < c ? ANCF_SPRING | ANCF_LUMPED | ANCF_WOUND : ANCF_SPRING | ANCF_LUMPED;
+    }
+    for (int i = 0; i <= n; ++i) r->b.hold[i] = (i == 0 && !r->free_exit) || (i > 0 && i <= c) ? ANCF_HELD : ANCF_FREE;
+    if (r->b.m) ancf_model_destroy(r->b.m);
+    build_finish(&r->b);
+    assert_int_equal(ancf_spool_join(&r->s, r->b.m), ANCF_OK);
+    memcpy(r->b.m->gravity, r->gravity, sizeof r->gravity);
+    r->b.m->unloaded = true;
+    r->b.m->track = r->track;
+}
+
+// n elements of a length `each`, of which the last `out` hang from the exit along `way`, unstressed.
+static rope lay(int n, int out, double each, ancf_element el, double bob, double body, const double way[3]) {
+    el.length = each;
+    rope r = {.b = build_start(n + 1, n, el), .each = each, .body = body, .bob = bob, .free_exit = body > 0.0};
+    const ancf_winch held = {0.0, INFINITY, INFINITY, 0.6 * each, (n - 0.5) * each};
+    const int c = n - out;
+    r.s = (ancf_spool) {.element = c, .store = c - 1, .both = 2.0 * each, .beyond = (out - 1) * each, .law = held};
+    for (int k = 1; k <= out; ++k)
+        for (int i = 0; i < 3; ++i) r.b.x[i * r.b.stride + c + k] = k * each * way[i];
+    r.b.mass[0] = body;
+    r.b.mass[n] = bob;
+    return r;
+}
+
+static void finish(rope* r) { build_free(&r->b); }
+
+static void place(double v[3], const rope* r, const double* field, int node) {
+    for (int i = 0; i < 3; ++i) v[i] = field[i * r->b.stride + node];
+}
+
+static void set(const rope* r, double* field, int node, const double v[3]) {
+    for (int i = 0; i < 3; ++i) field[i * r->b.stride + node] = v[i];
+}
+
+static void split(rope* r) {
+    ancf_knotting k;
+    const int c = r->s.element;
+    ancf_spool_split(&k, &r->s, r->b.m, r->each, r->time.last);
+    set(r, r->b.x, c, k.x);
+    set(r, r->b.v, c, k.v);
+    set(r, r->b.v, 0, k.exit);
+    r->b.element[c].length = r->each;
+    r->b.element[c - 1].length = r->s.next - r->each;
+    r->b.element[c - 2].length = 2.0 * r->each - r->b.element[c - 1].length;
+    r->s.element = c - 1;
+    r->s.store = c - 2;
+    r->remeshed += k.energy;
+    ++r->splits;
+    connect(r);
+}
+
+static void merge(rope* r) {
+    ancf_knotting k;
+    const int c = r->s.element;
+    ancf_spool_merge(&k, &r->s, r->b.m, c + 1, r->time.last);
+    set(r, r->b.v, c + 2, k.v);
+    set(r, r->b.v, 0, k.exit);
+    const double nothing[3] = {0.0, 0.0, 0.0};
+    set(r, r->b.v, c + 1, nothing);
+    r->b.element[c + 1].length = r->s.next + r->each;
+    r->b.element[c].length = 2.0 * r->each - r->b.element[c + 1].length;
+    r->b.element[c - 1].length = r->each;
+    r->s.element = c + 1;
+    r->s.store = c;
+    r->remeshed += k.energy;
+    ++r->merges;
+    connect(r);
+}
+
+static void step(rope* r, double h) {
+    r->time.step = h;
+    ancf_predict(r->b.m, &r->time);
+    ancf_spool_feed(&r->s, r->b.m, &r->time);
+}
+
+static void end(rope* r) {
+    ancf_correct(r->b.m, &r->time, r->b.m->free, NULL);
+    ancf_spool_end(&r->s, r->b.m);
+    r->b.element[r->s.element].length = r->s.next;
+    r->b.element[r->s.store].length = r->s.both - r->s.next;
+    r->time.last = r->time.step;
+    r->elapsed += r->time.step;
+    if (r->s.next > 1.6 * r->each) split(r);
+    else if (r->s.next < 0.5 * r->each) merge(r);
+}
+
+// Energy at the positions that a step starts from, between step() and end().
+static double energy(const rope* r) {
+    const ancf_model* m = r->b.m;
+    double sum = ancf_kinetic_kept(m, r->time.last, r->time.step) + ancf_height(m) + r->s.kinetic;
+    const int nodes[2] = {0, m->n_nodes - 1};
+    for (int k = 0; k < 2; ++k)
+        for (int i = 0; i < 3; ++i) {
+            const double v = m->v[i * m->stride + nodes[k]], a = m->a[i * m->stride + nodes[k]];
+            const double mid = v + r->time.last / 2 * a, half = r->time.step / 2 * a;
+            sum += r->b.mass[nodes[k]] / 2 * (mid * mid - half * half);
+        }
+    double axial, bending;
+    ancf_elastic_energy(&axial, &bending, m, m->x, 0, m->n_elements);
+    return sum + axial;
+}
+
+static const ancf_element tether = {.kind = ANCF_SPRING | ANCF_LUMPED, .ea = 2e4, .rho_a = 0.05};
+static const double down[3] = {0, 0, -1};
+
+// Hangs at rest, stretched by its weight.
+static void stretch(rope* r, double g, double a) {
+    const int n = r->b.def.n_elements, c = r->s.element;
+    double z = 0.0;
+    for (int e = c; e < n; ++e) {
+        const double below = r->bob + tether.rho_a * r->each * (n - 1 - e + 0.5);
+        z -= r->each * (1.0 + below * (g + a) / tether.ea);
+        r->b.x[2 * r->b.stride + e + 1] = z;
+    }
+}
+
+// T = (M + rho A s)(g - a_out), falling linearly along the cable, at constant feed acceleration.
+static void test_pull(void** state) {
+    (void)state;
+    const double accelerations[] = {0.0, 0.5, -2.0};
+    for (int k = 0; k < 3; ++k) {
+        const double g = 9.81, a = accelerations[k], h = 2e-5; // inwards
+        rope r = lay(40, 20, 0.25, tether, 0.3, 0.0, down);
+        r.gravity[2] = -g;
+        stretch(&r, g, a);
+        for (int e = r.s.element; e < 40 && a == 0.0; ++e) r.b.v[2 * r.b.stride + e + 1] = 0.4;
+        connect(&r);
+        double worst = 0.0, slope = 0.0;
+        for (int i = 0; i < 60000; ++i) {
+            r.s.law.speed = 0.4 * (a == 0.0) + a * (r.elapsed + h / 2);
+            step(&r, h);
+            const double s = ancf_spool_length(&r.s, r.b.m), expected = (r.bob + tether.rho_a * s) * (g + a);
+            if (i > 0) worst = fmax(worst, fabs(r.s.tension / expected - 1.0));
+            if (i % 1000 == 999) {
+                const int e = r.s.element + 3;
+                const double rise = (ancf_tension(r.b.m, e, 0.5) - ancf_tension(r.b.m, e + 6, 0.5)) / (6 * r.each);
+                slope = fmax(slope, fabs(rise / (tether.rho_a * (g + a)) - 1.0));
+            }
+            end(&r);
+        }
+        printf("a %g: %d splits %d merges, out %g, worst tension %g, slope %g\n", a, r.splits, r.merges,
+               ancf_spool_length(&r.s, r.b.m), worst, slope);
+        finish(&r);
+    }
+}
+
+
+// A bob that circles is hauled in without gravity: m l^2 omega is kept, v = v0 l0/l.
+static void test_spin(void** state) {
+    (void)state;
+    ancf_element light = tether;
+    light.rho_a = 1e-3;
+    const double h = 2e-5, across[3] = {1, 0, 0};
+    rope r = lay(30, 20, 0.25, light, 2.0, 0.0, across);
+    const int bob = 30;
+    for (int e = r.s.element; e < bob; ++e) r.b.v[r.b.stride + e + 1] = 2.0 * r.b.x[e + 1];
+    r.s.law.speed = 0.5;
+    connect(&r);
+    double x[3], v[3];
+    place(x, &r, r.b.x, bob);
+    place(v, &r, r.b.v, bob);
+    const double before = x[0] * v[1] - x[1] * v[0], speed = 10.0, length = 5.0;
+    for (int i = 0; i < 300000; ++i) {
+        step(&r, h);
+        end(&r);
+    }
+    place(x, &r, r.b.x, bob);
+    place(v, &r, r.b.v, bob);
+    const double l = sqrt(x[0] * x[0] + x[1] * x[1]), tangential = (x[0] * v[1] - x[1] * v[0]) / l;
+    printf("spin: l %g, v_t %g against %g, angular %g, merges %d\n", l, tangential, speed * length / l,
+           (x[0] * v[1] - x[1] * v[0]) / before - 1.0, r.merges);
+    finish(&r);
+}
+
+// A pendulum is slowly hauled in: E/omega is kept, amplitude ~ l^(-3/4).
+static void test_adiabatic(void** state) {
+    (void)state;
+    ancf_element light = tether;
+    light.rho_a = 1e-3;
+    const double g = 9.81, h = 2e-5, angle = 0.05, way[3] = {sin(angle), 0, -cos(angle)};
+    rope r = lay(30, 20, 0.25, light, 2.0, 0.0, way);
+    r.gravity[2] = -g;
+    for (int e = r.s.element; e < 30; ++e)
+        for (int i = 0; i < 3; ++i) r.b.x[i * r.b.stride + e + 1] *= 1.0 + 2.0 * g / light.ea;
+    connect(&r);
+    double largest[2] = {0.0, 0.0}, l[2] = {0.0, 0.0};
+    const int first = 250000, hauled = 3000000; // 5 s, 60 s
+    for (int i = 0; i < 2 * first + hauled; ++i) {
+        r.s.law.speed = i < first || i >= first + hauled ? 0.0 : 0.05;
+        step(&r, h);
+        double x[3];
+        place(x, &r, r.b.x, 30);
+        const int k = i < first ? 0 : i >= first + hauled ? 1 : -1;
+        if (k >= 0) {
+            l[k] = sqrt(x[0] * x[0] + x[2] * x[2]);
+            largest[k] = fmax(largest[k], fabs(x[0]) / l[k]);
+        }
+        end(&r);
+    }
+    printf("adiabatic: l %g %g amplitude %g %g ratio %g against %g\n", l[0], l[1], largest[0], largest[1],
+           largest[1] / largest[0], pow(l[1] / l[0], -0.75));
+    finish(&r);
+}
+
+// What all have, less the work of the drum, and what nodes gave that came and went.
+static double balance(const rope* r) { return energy(r) - r->s.work - r->remeshed; }
+
+static void test_energy(void** state) {
+    (void)state;
+    for (int sign = -1; sign <= 1; sign += 2)
+        for (int fine = 0; fine < 3; ++fine) {
+            const double g = 9.81, h = 8e-5 / (1 << fine), way[3] = {0.6, 0, -0.8};
+            rope r = lay(40, 20, 0.25, tether, 0.3, 0.0, way);
+            r.gravity[2] = -g;
+            connect(&r);
+            double base = 0.0, off = 0.0;
+            const int n = (int)(2.0 / h + 0.5);
+            for (int i = 0; i < n; ++i) {
+                r.s.law.speed = sign * 1.5 * sin(0.5 * pi * (r.elapsed + h / 2) / 2.0);
+                step(&r, h);
+                if (i == 0) base = balance(&r);
+                off = fmax(off, fabs(balance(&r) - base));
+                end(&r);
+            }
+            step(&r, h);
+            printf("energy: sign %d h %g work %g remeshed %g worst %g end %g, splits %d merges %d\n", sign, h, r.s.work,
+                   r.remeshed, off, balance(&r) - base, r.splits, r.merges);
+            finish(&r);
+        }
+}
+
+static void momentum(double P[3], double H[3], rope* r) {
+    double q[3], x[3];
+    ancf_momentum(P, H, r->b.m);
+    ancf_spool_momentum(q, &r->s, r->b.m, r->time.last);
+    place(x, r, r->b.x, 0);
+    for (int i = 0; i < 3; ++i) {
+        P[i] += q[i];
+        H[i] += x[(i + 1) % 3] * q[(i + 2) % 3] - x[(i + 2) % 3] * q[(i + 1) % 3];
+    }
+}
+
+// A chaser, a tether and a bob that turn and fly: momentum to rounding, angular momentum, mass, and the mass centre.
+static void test_chaser(void** state) {
+    (void)state;
+    for (int sign = -1; sign <= 1; sign += 2)
+        for (int fine = 0; fine < 2; ++fine) {
+            const double h = 4e-5 / (1 << fine), across[3] = {1, 0, 0};
+            rope r = lay(40, 20, 0.25, tether, 1.0, 3.0, across);
+            for (int i = 0; i <= 40; ++i) {
+                r.b.v[r.b.stride + i] = 1.5 * r.b.x[i];
+                r.b.v[2 * r.b.stride + i] = 0.7;
+                if (i > 0 && i <= r.s.element) r.b.v[r.b.stride + i] = r.b.v[2 * r.b.stride + i] = 0.0;
+            }
+            connect(&r);
+            double P[3], H[3], Q[3], K[3], mass = 0.0, later = 0.0;
+            momentum(P, H, &r);
+            for (int i = 0; i <= 40; ++i) mass += ancf_mass_of_node(r.b.m, i);
+            double worst = 0.0, base = 0.0;
+            const int n = (int)(2.0 / h + 0.5);
+            for (int i = 0; i < n; ++i) {
+                r.s.law.speed = sign * 1.2 * fmin(1.0, 4.0 * r.elapsed);
+                step(&r, h);
+                if (i == 0) base = balance(&r);
+                end(&r);
+                momentum(Q, K, &r);
+                for (int c = 0; c < 3; ++c) worst = fmax(worst, fabs(Q[c] - P[c]));
+            }
+            step(&r, h);
+            for (int i = 0; i <= 40; ++i) later += ancf_mass_of_node(r.b.m, i);
+            printf("free: sign %d h %g P %g %g %g off %g, H %g -> %g, mass off %g, energy %g work %g remeshed %g, %d %d\n",
+                   sign, h, P[0], P[1], P[2], worst, H[2], K[2], later - mass, balance(&r) - base, r.s.work, r.remeshed,
+                   r.splits, r.merges);
+            finish(&r);
+        }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_pull),   cmocka_unit_test(test_spin), cmocka_unit_test(test_adiabatic),
+        cmocka_unit_test(test_energy), cmocka_unit_test(test_chaser),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
