@@ -14,8 +14,8 @@ int ancf_stride(int n_nodes, int n_elements) { return (n_nodes + 2 * n_elements 
 static bool is_finite_positive(double value) { return isfinite(value) && value > 0.0; }
 
 static ancf_error check_element(const ancf_element* e) {
-    if (e->kind & ~(ANCF_SPRING | ANCF_LUMPED | ANCF_AXIAL_REDUCED | ANCF_CURVATURE_EXACT | ANCF_ENGINEERING |
-                    ANCF_WOUND))
+    if (e->kind &
+        ~(ANCF_SPRING | ANCF_LUMPED | ANCF_AXIAL_REDUCED | ANCF_CURVATURE_EXACT | ANCF_ENGINEERING | ANCF_WOUND))
         return ANCF_E_KIND;
     if ((e->kind & ANCF_WOUND) && !(e->kind & ANCF_SPRING)) return ANCF_E_KIND;
     if (!is_finite_positive(e->length)) return ANCF_E_LENGTH;

@@ -91,7 +91,8 @@ static double rate_for(const pull* p, double force, double u) {
 // What the winch asks for in a step, as a rate of the length outside [m/s].
 static double asked(const ancf_spool* s, double outside, double step) {
     const double out = -s->law.speed * step;
-    const double fed = out < 0.0 ? fmin(0.0, fmax(out, s->law.least - outside)) : fmax(0.0, fmin(out, s->law.most - outside));
+    const double fed =
+        out < 0.0 ? fmin(0.0, fmax(out, s->law.least - outside)) : fmax(0.0, fmin(out, s->law.most - outside));
     return fed / step;
 }
 
@@ -157,8 +158,8 @@ static void move(double v1[3], ancf_model* m, int node, const double v0[3], cons
 }
 
 // Work of the drum, and what flows, at the positions of the step's start; p0, p1: velocities behind it.
-static void book(ancf_spool* s, const ancf_model* m, const first* f, const ancf_time* time, double u, const double p0[3],
-                 const double p1[3]) {
+static void book(ancf_spool* s, const ancf_model* m, const first* f, const ancf_time* time, double u,
+                 const double p0[3], const double p1[3]) {
     const double kick = ancf_kick(time), part = time->last / (time->last + time->step);
     const double mean = part * s->rate + (1.0 - part) * u;
     const double* tensions = m->pull + s->element;
@@ -268,11 +269,11 @@ static void settle(ancf_knotting* node, ancf_spool* s, const ancf_model* m, cons
     if (m->hold[s->node]) return;
     for (int c = 0; c < 3; ++c) {
         const double given = mass * f->v0[c] + s->flow[c];
-        node->exit[c] = (given - f->half * s->rate * (way[c] - half_step * v1[c])) / (mass + f->half * s->rate * half_step);
+        node->exit[c] =
+            (given - f->half * s->rate * (way[c] - half_step * v1[c])) / (mass + f->half * s->rate * half_step);
         s->flow[c] = given - mass * node->exit[c];
     }
-    node->energy +=
-        0.5 * (ancf_mass_of_node(m, s->node) - lump) * (dot(node->exit, node->exit) - dot(f->v0, f->v0));
+    node->energy += 0.5 * (ancf_mass_of_node(m, s->node) - lump) * (dot(node->exit, node->exit) - dot(f->v0, f->v0));
 }
 
 void ancf_spool_split(ancf_knotting* node, ancf_spool* s, const ancf_model* m, double length, double last) {
@@ -329,8 +330,9 @@ void ancf_spool_merge(ancf_knotting* node, ancf_spool* s, const ancf_model* m, i
         const double d = (way[c] - 0.5 * last * (v[2][c] - v[0][c])) / all, w = v[0][c] + s->rate * d;
         const double off = v[1][c] - (w + xi * (v[2][c] - w)); // the element can have no such velocity
         node->x[c] = x[2][c];
-        node->v[c] = v[2][c] + f.half * middle * off / mass1_after;
-        s->flow[c] += f.half * (all * v[1][c] - length * v[0][c]) + mass1 * v[2][c] - mass1_after * node->v[c];
+        const double after = v[2][c] + f.half * middle * off / mass1_after;
+        node->v[c] = m->hold[end] ? v[2][c] : after;
+        s->flow[c] += f.half * (all * v[1][c] - length * v[0][c]) + mass1 * v[2][c] - mass1_after * after;
     }
     node->energy += 0.5 * (mass1 - f.half * length) * (dot(node->v, node->v) - dot(v[2], v[2]));
     settle(node, s, m, &f, way, node->v, mass, last);

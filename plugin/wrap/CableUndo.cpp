@@ -11,7 +11,8 @@ auto CableEngine::parts() {
                     massDamping, elementIds, radius, segments, points, structure, selfContact, run, arc, closed,
                     sections, sectionMaterials, sectionBends, sectionYoung, sectionDensity, fixedNodes, clampedEnds,
                     followNodes, followIds, followAt, followEnds, followSlopes, carryNodes, carryIds, carryAt,
-                    carryReaction, loadNodes, loads, tiedNodes, tiedTo, lastStep);
+                    carryReaction, loadNodes, loads, tiedNodes, tiedTo, winchExits, winchRows, winchElements,
+                    winchNodes, winchLengths, winchDoes, winchScripted, winchNumbers, lastStep);
 }
 
 namespace {

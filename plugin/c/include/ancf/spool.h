@@ -14,21 +14,21 @@
 #include "step.h"
 
 typedef struct {
-    int node;        // where the cable leaves the drum
-    int element;     // that begins or ends there, the first one outside
-    int store;       // wound element whose length it is fed from
-    double both;     // unstressed length of these two [m]
-    double beyond;   // unstressed length outside, without that element [m]
-    ancf_winch law;  // its lengths are those of all that is outside
-    double inertia;  // of the drum, over the square of its radius [kg]
-    double rate;     // at which the length outside grew in the last step [m/s]
-    double flow[3];  // q, momentum of what leaves, as far as it has been given [kg m/s]
-    int does;        // ancf_drum
-    double tension;  // in the cable where it leaves the drum, in the last step [N]
-    double work;     // of the drum on the cable, up to the positions that the last step started from [J]
-    double ahead;    // and in the half of that step behind them [J]
-    double kinetic;  // energy of what flows, besides that of its mass with the velocity of the exit [J]
-    double next;     // unstressed length of the element at the end of the step [m]
+    int node;       // where the cable leaves the drum
+    int element;    // that begins or ends there, the first one outside
+    int store;      // wound element whose length it is fed from
+    double both;    // unstressed length of these two [m]
+    double beyond;  // unstressed length outside, without that element [m]
+    ancf_winch law; // its lengths are those of all that is outside
+    double inertia; // of the drum, over the square of its radius [kg]
+    double rate;    // at which the length outside grew in the last step [m/s]
+    double flow[3]; // q, momentum of what leaves, as far as it has been given [kg m/s]
+    int does;       // ancf_drum
+    double tension; // in the cable where it leaves the drum, in the last step [N]
+    double work;    // of the drum on the cable, up to the positions that the last step started from [J]
+    double ahead;   // and in the half of that step behind them [J]
+    double kinetic; // energy of what flows, besides that of its mass with the velocity of the exit [J]
+    double next;    // unstressed length of the element at the end of the step [m]
 } ancf_spool;
 
 // A model that was just made is told of it. ANCF_E_MEMORY.
