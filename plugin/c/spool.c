@@ -114,8 +114,9 @@ static double decide(ancf_spool* s, const pull* p, double outside) {
         s->does = held > 0.0 ? ANCF_DRAWS : ANCF_HOLDS;
         return held;
     }
-    s->does = ANCF_SLIPS;
-    return rate_for(p, s->law.brake, held);
+    const double u = rate_for(p, s->law.brake, held), most = fmax(0.0, s->capacity - outside) / p->step;
+    s->does = u < most ? ANCF_SLIPS : ANCF_HOLDS;
+    return fmin(u, most);
 }
 
 static pull pull_of(const ancf_spool* s, const ancf_model* m, const first* f, const ancf_time* time) {
@@ -309,36 +310,46 @@ void ancf_spool_split(ancf_knotting* node, ancf_spool* s, const ancf_model* m, d
     copy(v[2], f.v1);
     node->energy += energy_of(s, m, f.el, 2, (double[]) {first_length, length}, x, v);
     s->beyond += length;
+    s->next = first_length;
 }
 
 void ancf_spool_merge(ancf_knotting* node, ancf_spool* s, const ancf_model* m, int second, double last) {
     const first f = first_of(s, m);
     const int end = far_of(m, second, f.node);
-    const double length = m->element[second].length, middle = f.length - 0.5 * last * s->rate, all = middle + length,
-                 xi = middle / all, mass1 = ancf_mass_of_node(m, end), mass1_after = mass1 + f.half * middle;
-    const double mass = ancf_mass_of_node(m, s->node) + f.half * (f.length - middle + length);
-    double x[3][3], v[3][3], way[3];
+    const double length = m->element[second].length, middle = f.length - 0.5 * last * s->rate, all = middle + length;
+    double x[3][3], v[3][3], way[3], beyond[3];
     copy(x[0], f.x0);
     copy(v[0], f.v0);
     copy(x[1], f.x1);
     copy(v[1], f.v1);
     at(x[2], m, m->x, end);
     at(v[2], m, m->v, end);
-    node->energy = -energy_of(s, m, f.el, 2, (double[]) {f.length, length}, x, v);
     for (int c = 0; c < 3; ++c) {
         way[c] = x[2][c] - x[0][c];
-        const double d = (way[c] - 0.5 * last * (v[2][c] - v[0][c])) / all, w = v[0][c] + s->rate * d;
+        beyond[c] = x[2][c] - x[1][c];
+    }
+    // A chord is shorter than two: the drum takes what is over, so that the strain stays what it was in their mean.
+    const double ways = f.along + sqrt(dot(beyond, beyond)), whole = f.length + length;
+    const double over = ways > whole ? whole * (1.0 - sqrt(dot(way, way)) / ways) : 0.0;
+    const double xi = middle / all, mass1 = ancf_mass_of_node(m, end), more = f.half * (middle - over),
+                 mass1_after = mass1 + more;
+    const double mass = ancf_mass_of_node(m, s->node) + f.half * (f.length - middle + length + over);
+    node->energy = -energy_of(s, m, f.el, 2, (double[]) {f.length, length}, x, v);
+    for (int c = 0; c < 3; ++c) {
+        const double d = (way[c] - 0.5 * last * (v[2][c] - v[0][c])) / (all - over), w = v[0][c] + s->rate * d;
         const double off = v[1][c] - (w + xi * (v[2][c] - w)); // the element can have no such velocity
+        const double after = v[2][c] + more * off / mass1_after;
         node->x[c] = x[2][c];
-        const double after = v[2][c] + f.half * middle * off / mass1_after;
         node->v[c] = m->hold[end] ? v[2][c] : after;
-        s->flow[c] += f.half * (all * v[1][c] - length * v[0][c]) + mass1 * v[2][c] - mass1_after * after;
+        s->flow[c] += f.half * (all * v[1][c] - (length + over) * v[0][c]) + mass1 * v[2][c] - mass1_after * after;
     }
     node->energy += 0.5 * (mass1 - f.half * length) * (dot(node->v, node->v) - dot(v[2], v[2]));
+    node->energy += 2.0 * f.half * over * (0.5 * dot(f.v0, f.v0) - dot(m->gravity, f.x0));
     settle(node, s, m, &f, way, node->v, mass, last);
     copy(v[0], node->exit);
     copy(x[1], x[2]);
     copy(v[1], node->v);
-    node->energy += energy_of(s, m, f.el, 1, (double[]) {f.length + length, 0.0}, x, v);
+    s->next = whole - over;
+    node->energy += energy_of(s, m, f.el, 1, (double[]) {s->next, 0.0}, x, v);
     s->beyond -= length;
 }

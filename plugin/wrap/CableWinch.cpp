@@ -250,6 +250,7 @@ void CableEngine::makeSpools() {
         const Row row(winchRows, static_cast<size_t>(i));
         const Real* n = &winchNumbers[static_cast<size_t>(NUMBERS * i)];
         const int exit = tied(winchExits[i]), first = winchElements[i];
+        Real whole = 0;
         for (size_t k = 0; k < carryNodes.size(); ++k)
             if (carryNodes[k] == exit && carrierOf(carryIds[k]) < 0)
                 throw std::invalid_argument(text("CableEngine ", family, ": node ", exit, ", at which winch ", i,
@@ -260,6 +261,7 @@ void CableEngine::makeSpools() {
                 throw std::invalid_argument(text("CableEngine ", family, ": massDamping[", e, "] = ", massDamping[e],
                                                  ": must be 0 [1/s] for a cable on a winch, as it would brake what is "
                                                  "wound; use damping"));
+            whole += winchLengths[e];
             if (e == row.far) break;
         }
         ancf_spool s {};
@@ -268,6 +270,7 @@ void CableEngine::makeSpools() {
         s.store = first - row.step;
         s.both = n[BOTH];
         s.beyond = n[BEYOND];
+        s.capacity = whole - shortestPart * winchLengths[row.drum];
         s.law = {n[SPEED], n[FORCE], n[BRAKE], n[LEAST], n[MOST]};
         s.inertia = n[INERTIA];
         s.rate = n[RATE];
@@ -359,6 +362,9 @@ void CableEngine::checkClaimed(int i, int node) const {
                         : has(loadNodes, node)   ? "is loaded"
                         : has(tiedTo, node)      ? "is tied to another"
                                                  : nullptr;
+    for (const Pulls& one : pulls)
+        for (const auto& [pulled, force] : one.forces)
+            if (pulled == node) claim = "is a place of a line";
     if (claim)
         refuse(text("at iteration ", scene->iter, " node ", node, " comes to the drum of winch ", i, " and ", claim,
                     ": haul(to=) at least ", spools[i].beyond, " m, or release it before"));
@@ -401,7 +407,6 @@ bool CableEngine::knotWinch(int i) {
         kind[store] &= ~ANCF_WOUND;
         ends[2 * store + 1 - row.near] = ends[2 * e + row.near] = comes;
         s.both += laid[last] - laid[e];
-        s.next -= laid[e];
         length[e] = laid[e];
         s.element = store;
         s.store = last;
@@ -418,7 +423,6 @@ bool CableEngine::knotWinch(int i) {
         for (int k = 0; k < 2; ++k) ends[2 * e + k] = s.node;
         ends[2 * beyond + row.near] = s.node;
         s.both += laid[beyond] - laid[store];
-        s.next += laid[beyond];
         length[store] = laid[store];
         s.element = beyond;
         s.store = e;

@@ -14,21 +14,22 @@
 #include "step.h"
 
 typedef struct {
-    int node;       // where the cable leaves the drum
-    int element;    // that begins or ends there, the first one outside
-    int store;      // wound element whose length it is fed from
-    double both;    // unstressed length of these two [m]
-    double beyond;  // unstressed length outside, without that element [m]
-    ancf_winch law; // its lengths are those of all that is outside
-    double inertia; // of the drum, over the square of its radius [kg]
-    double rate;    // at which the length outside grew in the last step [m/s]
-    double flow[3]; // q, momentum of what leaves, as far as it has been given [kg m/s]
-    int does;       // ancf_drum
-    double tension; // in the cable where it leaves the drum, in the last step [N]
-    double work;    // of the drum on the cable, up to the positions that the last step started from [J]
-    double ahead;   // and in the half of that step behind them [J]
-    double kinetic; // energy of what flows, besides that of its mass with the velocity of the exit [J]
-    double next;    // unstressed length of the element at the end of the step [m]
+    int node;        // where the cable leaves the drum
+    int element;     // that begins or ends there, the first one outside
+    int store;       // wound element whose length it is fed from
+    double both;     // unstressed length of these two [m]
+    double beyond;   // unstressed length outside, without that element [m]
+    double capacity; // unstressed length outside beyond which even a slipping drum gives nothing [m]
+    ancf_winch law;  // its lengths are those of all that is outside
+    double inertia;  // of the drum, over the square of its radius [kg]
+    double rate;     // at which the length outside grew in the last step [m/s]
+    double flow[3];  // q, momentum of what leaves, as far as it has been given [kg m/s]
+    int does;        // ancf_drum
+    double tension;  // in the cable where it leaves the drum, in the last step [N]
+    double work;     // of the drum on the cable, up to the positions that the last step started from [J]
+    double ahead;    // and in the half of that step behind them [J]
+    double kinetic;  // energy of what flows, besides that of its mass with the velocity of the exit [J]
+    double next;     // unstressed length of the element at the end of the step [m]
 } ancf_spool;
 
 // A model that was just made is told of it. ANCF_E_MEMORY.
@@ -55,10 +56,12 @@ typedef struct {
     double energy;     // gained by it [J]
 } ancf_knotting;
 
-// The new node leaves an element of a length on its far side; the first one has the rest.
+// The new node leaves an element of a length on its far side; the first one has the rest, s->next.
 void ancf_spool_split(ancf_knotting* node, ancf_spool* s, const ancf_model* m, double length, double last);
 
-// `second`: the element beyond the first, into which that grows; node->v is the new velocity of its far node.
+// `second`: the element beyond the first, which takes its place with the length s->next; node->v is the new velocity of
+// its far node. Where the cable bends, its chord is shorter than two were: the drum takes that, so that tension goes
+// on.
 void ancf_spool_merge(ancf_knotting* node, ancf_spool* s, const ancf_model* m, int second, double last);
 
 #endif
