@@ -341,15 +341,17 @@ Real CableEngine::winchRate() const {
 // With the first element at a drum as short as it may become.
 Real CableEngine::stableStep(Real strain, int* element) const {
     Real least = ancf_critical_step(model.get(), strain, element);
-    for (size_t i = 0; i < winchExits.size(); ++i)
-        for (const Row row(winchRows, i); const int e : {row.drum, winchElements[i], row.far}) {
+    for (size_t i = 0; i < winchExits.size(); ++i) {
+        const Row row(winchRows, i);
+        for (const int e : {row.drum, winchElements[i], row.far}) {
             ancf_element shortOne = model->element[e];
             shortOne.length = shortestPart * winchLengths[e];
-            if (const Real step = ancf_element_step(&shortOne, strain); step < least) {
-                least = step;
-                *element = e;
-            }
+            const Real step = ancf_element_step(&shortOne, strain);
+            if (step >= least) continue;
+            least = step;
+            *element = e;
         }
+    }
     return least;
 }
 

@@ -19,7 +19,7 @@ def scene():
     material("cord", young=2e9, density=1000)
 
 
-def tether(points, stored=5.0, end=0, parts=20, damping=1e-3, **options):
+def tether(points, stored=5.0, end=0, parts=20, damping=2e-5, **options):
     """A cable on a winch: 3 mm, EA = 14.1 kN, 7.07 g/m, as laid with so many elements outside."""
     cable = ancf.Cable(
         points,
@@ -49,23 +49,27 @@ def runFor(time):
 
 
 def test_tension_while_it_is_paid_out_and_hauled_in():
-    """T = (M + rho A s)(g + a)."""
+    """T = (M + rho A s)(g + a), whatever the speed is."""
+    O.materials["cord"].young = 2e10  # so that what starts to move does not swing
     cable, winch = hanging()
     rhoA = cable.section.rhoA
-    winch.payOut(lambda t: t, to=6.5)
-    runFor(1)
-    while O.time < 1.6:
+
+    def speed(t):
+        return 0.8 * math.sin(math.pi * t) ** 2 * (-1 if t < 1 else 1)
+
+    def acceleration(t):
+        return 0.8 * math.pi * math.sin(2 * math.pi * t) * (-1 if t < 1 else 1)
+
+    winch.haul(speed, force=1e3)
+    longest = 0
+    while O.time < 2:
         O.step()
-        assert winch.tension == pytest.approx((0.5 + rhoA * winch.length) * (G - 1), rel=2e-3)
-    assert winch.state() == "lets out" and winch.rate == pytest.approx(O.time, abs=1e-3)
-    assert winch.length == pytest.approx(5 + O.time**2 / 2, abs=1e-3)
-    out, now = winch.length, O.time
-    winch.haul(lambda t: (t - now) - 1.6, force=100)
-    runFor(0.5)
-    while O.time < now + 1:
-        O.step()
-        assert winch.tension == pytest.approx((0.5 + rhoA * winch.length) * (G + 1), rel=4e-3)
-    assert winch.length > out  # its speed has hardly been turned around
+        expected = (0.5 + rhoA * winch.length) * (G + acceleration(O.time - O.dt))
+        assert winch.tension == pytest.approx(expected, rel=1e-2)
+        assert winch.rate == pytest.approx(-speed(O.time - O.dt / 2), abs=1e-9)
+        longest = max(longest, winch.length)
+    assert longest == pytest.approx(5.4, abs=1e-4)
+    assert winch.length == pytest.approx(5, abs=1e-4)
     assert winch.length + winch.stored == pytest.approx(10, abs=1e-12)
     assert cable.length == pytest.approx(10)
 
@@ -121,11 +125,11 @@ def test_chaser_and_target_keep_momentum_and_energy(end, substeps):
     assert P == pytest.approx(
         [0.3 * mass, 0.8 * 5 + 0.8 * 5 * 2.5 * cable.section.rhoA, 0.2 * mass], rel=1e-6
     )
-    winch.payOut(lambda t: min(1, 4 * t), to=7)
+    winch.payOut(lambda t: min(1, 1.5 * t), to=7)
     steps(2)
     start = O.energy.total()
     runFor(1.2)
-    winch.haul(lambda t: min(2, 4 * (t - 1.2)), force=1e3, to=4)
+    winch.haul(lambda t: min(2, 1.5 * (t - 1.2)), force=1e3, to=4)
     runFor(1.2)
     momentum, _, terms = momenta(engine, {chaser: True, target: True})
     assert np.abs(momentum - P).max() < 1e-10 * np.abs(P).max()
@@ -168,7 +172,9 @@ def test_a_knot_that_holds_something_is_not_wound():
     cable.carry(2, ball((0, 0, -5), 0.05, mass=0.5, material="cord"))
     O.engines = ancf.engines(cable, gravity=(0, 0, -G))
     winch.haul(3, force=1e3)
-    with pytest.raises(RuntimeError, match=r"node 1 comes to the drum of winch 0 and carries a body: haul"):
+    with pytest.raises(
+        RuntimeError, match=r"node 1 comes to the drum of winch 0 and carries a body: haul"
+    ):
         runFor(2)
     assert winch.length > 2.4
 
@@ -237,7 +243,7 @@ def test_what_is_outside_touches():
         model="springs",
         diameter=3e-3,
         material="cord",
-        damping=1e-3,
+        damping=2e-5,
     )
     winch = ancf.Winch(cable, 2)
     ball((0, 0, 0.02), 0.04, material="cord", mask=2)  # around the drum, but in the way of nothing
@@ -298,7 +304,7 @@ def test_integrators_and_bodies_off_their_centre():
     cable, winch = tether([(0, 0, 0), (0, 0, -5)])
     cable.fix(0)
     with pytest.raises(ValueError, match="does not know winches: use integrator = 'leapfrog'"):
-        ancf.engines(cable, integrator="implicit").append(cable.engine.build())
+        ancf.engines(cable, integrator="implicit")
     O.reset()
     material("cord", young=2e9, density=1000)
     cable, winch = tether([(0, 0, 0), (0, 0, -5)])
@@ -309,7 +315,7 @@ def test_integrators_and_bodies_off_their_centre():
 
 def test_too_fast_for_its_elements():
     cable, winch = hanging()
-    winch.payOut(900)
+    winch.payOut(3000)
     with pytest.raises(RuntimeError, match="more than a quarter of an element"):
         steps(20)
 

@@ -613,8 +613,15 @@ class Structure:
         return int(number) % n
 
     def _node(self, knot):
-        """Number in the engine of what stands for a knot."""
-        return self.engine.tied(self._first[0] + knot)
+        """Number in the engine of what stands for a knot; ValueError for one that is on a drum."""
+        number = self._first[0] + knot
+        node = self.engine.tied(number)
+        if self._stored is not None and node != number and node in self.engine.winchExits:
+            if number in self.engine.winchNodes:
+                raise ValueError(
+                    f"{self.name}: knot {knot} is wound on the drum of a winch: pay it out first"
+                )
+        return node
 
     def _mayClaim(self, knot, what):
         """Refuses what does not go with that which holds a knot."""

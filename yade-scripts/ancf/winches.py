@@ -53,7 +53,9 @@ class Winch:
         stored = values.positive(f"{where}: stored", stored, "m", values.FARTHEST)
         inertia = values.notNegative(f"{where}: inertia", inertia, "kg m2")
         if inertia > 0 and radius is None:
-            raise ValueError(f"{where}: an inertia of {inertia:g} kg m2 needs the drum's radius as well")
+            raise ValueError(
+                f"{where}: an inertia of {inertia:g} kg m2 needs the drum's radius as well"
+            )
         if radius is not None:
             inertia /= values.positive(f"{where}: radius", radius, "m") ** 2
         self.cable, self.end = cable, end
