@@ -148,7 +148,7 @@ static void stretch(rope* r, double g, double a) {
 }
 
 // T = (M + rho A s)(g + a), falling linearly along the cable, when it is drawn in at the acceleration a.
-static void test_pull(void** state) {
+static void tension_at_an_acceleration(void** state) {
     (void)state;
     const double accelerations[] = {0.0, 0.5, -2.0}, h = 2e-5, g = 9.81;
     for (int k = 0; k < 3; ++k) {
@@ -178,7 +178,7 @@ static void test_pull(void** state) {
 }
 
 // A bob that circles is hauled in without gravity: (M l + rho A l^2/3) v is kept.
-static void test_spin(void** state) {
+static void bob_that_circles_is_hauled_in(void** state) {
     (void)state;
     ancf_element light = tether;
     light.rho_a = 1e-3;
@@ -207,7 +207,7 @@ static void test_spin(void** state) {
 }
 
 // A pendulum is slowly hauled in: E/omega is kept, the amplitude goes as l^(-3/4).
-static void test_adiabatic(void** state) {
+static void pendulum_slowly_hauled_in(void** state) {
     (void)state;
     ancf_element light = tether;
     light.rho_a = 1e-3;
@@ -267,7 +267,7 @@ static double unbalanced(double h, int sign, double damping) {
     return off;
 }
 
-static void test_energy(void** state) {
+static void energy_of_a_swinging_tether(void** state) {
     (void)state;
     const double coarse = unbalanced(8e-5, -1, 0.0), fine = unbalanced(4e-5, -1, 0.0);
     assert_true(coarse < 1e-6);        // of 12 J
@@ -289,7 +289,7 @@ static void momentum(double P[3], double H[3], rope* r) {
 
 // A chaser, a tether and a bob that turn and fly: linear momentum and mass to rounding, energy, and angular momentum as
 // far as nodes resolve it.
-static void test_chaser(void** state) {
+static void chaser_tether_and_bob(void** state) {
     (void)state;
     for (int sign = -1; sign <= 1; sign += 2) {
         const double h = 4e-5, across[3] = {1, 0, 0};
@@ -323,7 +323,7 @@ static void test_chaser(void** state) {
 
 // A drum of I/r^2 that its brake lets go above B, or its motor draws with F: (m + I/r^2) a = m g - B, or m g - F, of
 // the mass m of the bob and a light cable.
-static void test_drum(void** state) {
+static void drum_with_inertia(void** state) {
     (void)state;
     ancf_element light = tether;
     light.rho_a = 1e-3;
@@ -359,7 +359,7 @@ static void test_drum(void** state) {
 }
 
 // Ends where it is told to, and has momentum of nothing that flows then; a brake that slips, at the cable's end.
-static void test_stops(void** state) {
+static void ends_where_it_is_told(void** state) {
     (void)state;
     rope slipping = lay(40, 20, 0.25, tether, 0.3, 0.0, down);
     slipping.gravity[2] = -9.81;
@@ -392,9 +392,10 @@ static void test_stops(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pull),   cmocka_unit_test(test_spin),   cmocka_unit_test(test_adiabatic),
-        cmocka_unit_test(test_energy), cmocka_unit_test(test_chaser), cmocka_unit_test(test_drum),
-        cmocka_unit_test(test_stops),
+        cmocka_unit_test(tension_at_an_acceleration), cmocka_unit_test(bob_that_circles_is_hauled_in),
+        cmocka_unit_test(pendulum_slowly_hauled_in),  cmocka_unit_test(energy_of_a_swinging_tether),
+        cmocka_unit_test(chaser_tether_and_bob),      cmocka_unit_test(drum_with_inertia),
+        cmocka_unit_test(ends_where_it_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
