@@ -85,7 +85,13 @@ void CableEngine::checkWinches() const {
 void CableEngine::checkWinch(int i) const {
     const Attributes all(text("CableEngine ", family));
     const Row row(winchRows, static_cast<size_t>(i));
-    const int first = winchElements[i], exit = tied(winchExits[i]);
+    const int first = winchElements[i];
+    int exit = winchExits[i]; // as tied(), of lists that are looked at
+    for (size_t k = 0; k < tiedNodes.size(); ++k)
+        if (tiedNodes[k] == exit) {
+            exit = tiedTo[k];
+            k = size_t(-1);
+        }
     if (!row.has(first) || first == row.drum)
         all.refuse("winchElements[", i, "] = ", first, ": must be of its row, ", row.drum, " to ", row.far,
                    ", and not the last on the drum");

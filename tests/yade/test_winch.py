@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ancf
-from helpers import array, ball, material, momenta, steps
+from helpers import array, ball, material, steps
 from yade import O, Vector3
 
 G = 9.81
@@ -54,21 +54,20 @@ def test_tension_while_it_is_paid_out_and_hauled_in():
     cable, winch = hanging()
     rhoA = cable.section.rhoA
 
-    def speed(t):
-        return 0.8 * math.sin(math.pi * t) ** 2 * (-1 if t < 1 else 1)
-
     def acceleration(t):
-        return 0.8 * math.pi * math.sin(2 * math.pi * t) * (-1 if t < 1 else 1)
+        return -2.4 * math.pi * math.sin(math.pi * t) ** 2 * math.cos(math.pi * t)
 
-    winch.haul(speed, force=1e3)
+    winch.haul(lambda t: -0.8 * math.sin(math.pi * t) ** 3, force=1e3)
     longest = 0
     while O.time < 2:
         O.step()
         expected = (0.5 + rhoA * winch.length) * (G + acceleration(O.time - O.dt))
-        assert winch.tension == pytest.approx(expected, rel=1e-2)
-        assert winch.rate == pytest.approx(-speed(O.time - O.dt / 2), abs=1e-9)
+        assert winch.tension == pytest.approx(expected, rel=4e-3)
+        assert winch.rate == pytest.approx(
+            0.8 * math.sin(math.pi * (O.time - O.dt / 2)) ** 3, abs=1e-9
+        )
         longest = max(longest, winch.length)
-    assert longest == pytest.approx(5.4, abs=1e-4)
+    assert longest == pytest.approx(5 + 3.2 / (3 * math.pi), abs=1e-4)
     assert winch.length == pytest.approx(5, abs=1e-4)
     assert winch.length + winch.stored == pytest.approx(10, abs=1e-12)
     assert cable.length == pytest.approx(10)
@@ -91,19 +90,25 @@ def test_stops_where_it_is_told():
 
 
 def test_force_and_brake():
-    """A motor that is too weak strains; a brake that is too weak lets (M + rho A s) a = (M + rho A s) g - B."""
+    """A motor that is too weak strains; a brake that is too weak slips, and takes no more impulse than it has."""
     cable, winch = hanging()
     weight = (0.5 + cable.section.rhoA * 5) * G
     winch.haul(1, force=0.9 * weight, brake=2 * weight)
     runFor(0.2)
     assert winch.state() == "strains" and winch.length == 5
     winch.hold(brake=0.9 * weight)
-    at, now = winch.length, O.time
-    runFor(0.3)
-    assert winch.state() == "slips"
-    assert winch.tension == pytest.approx(0.9 * weight, rel=2e-3)
-    fallen = 0.1 * G * (O.time - now) ** 2 / 2
-    assert winch.length - at == pytest.approx(fallen, rel=0.02)
+    impulse, slipped, began = 0, 0, O.time
+    for _ in range(5000):
+        O.step()
+        now = (0.5 + cable.section.rhoA * winch.length) * G
+        impulse += O.dt * (now - winch.tension)
+        if winch.state() == "slips":  # else waves let it hold, at less
+            slipped += 1
+            assert winch.tension == pytest.approx(0.9 * weight, rel=0.03)
+    assert slipped > 3000
+    assert -cable.engine.momentum()[0][2] == pytest.approx(impulse, rel=2e-3)
+    fallen = 0.1 * G * (O.time - began) ** 2 / 2
+    assert fallen * 0.98 < winch.length - 5
 
 
 @pytest.mark.parametrize("end", [0, -1])
@@ -125,18 +130,19 @@ def test_chaser_and_target_keep_momentum_and_energy(end, substeps):
     assert P == pytest.approx(
         [0.3 * mass, 0.8 * 5 + 0.8 * 5 * 2.5 * cable.section.rhoA, 0.2 * mass], rel=1e-6
     )
-    winch.payOut(lambda t: min(1, 1.5 * t), to=7)
+    winch.payOut(lambda t: 0.5 * (1 - math.cos(math.pi * t / 0.6)), to=7)
     steps(2)
     start = O.energy.total()
     runFor(1.2)
-    winch.haul(lambda t: min(2, 1.5 * (t - 1.2)), force=1e3, to=4)
+    winch.haul(lambda t: 1 - math.cos(math.pi * (t / 1.2 - 1)), force=1e3, to=4)
     runFor(1.2)
-    momentum, _, terms = momenta(engine, {chaser: True, target: True})
+    momentum = array(engine.momentum()[0])  # with what is carried
     assert np.abs(momentum - P).max() < 1e-10 * np.abs(P).max()
+    assert engine.winchElements[0] == (22 if end == 0 else 17)  # 2 came, 4 went
     assert abs(winch.energy()["work"]) > 0.5
-    assert O.energy.total() == pytest.approx(start, abs=2e-4 * engine.energyScale)
-    assert abs(engine.energyOff) < 2e-4 * engine.energyScale
-    assert abs(winch.energy()["nodes"]) < 5e-3 * engine.energyScale
+    assert O.energy.total() == pytest.approx(start, abs=1e-5 * engine.energyScale)
+    assert abs(engine.energyOff) < 1e-5 * engine.energyScale
+    assert abs(winch.energy()["nodes"]) < 1e-4 * engine.energyScale
 
 
 def test_the_watch_takes_the_winch_for_no_error():
@@ -210,8 +216,16 @@ def test_saved_to_the_last_bit(tmp_path, speed):
 
     def now():
         engine = ancf.winches()[0].cable.engine
-        numbers = [list(engine.winchNumbers), list(engine.position), list(engine.velocity)]
-        return repr((numbers, list(engine.ends), list(engine.length), sorted(O.energy.items())))
+        state = list(engine.position), list(engine.velocity)
+        return repr(
+            (
+                state,
+                sorted(engine.winch(0).items()),
+                list(engine.ends),
+                list(engine.length),
+                sorted(O.energy.items()),
+            )
+        )
 
     there = now()
     assert cable.engine.winchElements[0] != elements
@@ -251,8 +265,11 @@ def test_what_is_outside_touches():
     floor = ball((0.02, 0, -2), 0.5, material="cord")
     O.engines = ancf.engines(cable, gravity=(0, 0, -G))
     winch.payOut(1)
-    runFor(1.2)
-    assert cable.engine.contacts > 0
+    touched = 0
+    while O.time < 1.2:
+        O.step()
+        touched += cable.engine.contacts > 0
+    assert touched > 100
     assert np.abs(array(cable.knots[1]) - array(O.bodies[floor].state.pos)).max() < 0.6
     assert all(not O.bodies[b].intrs() for b in cable.bodies[: winch.cable.engine.winchElements[0]])
 
@@ -262,7 +279,7 @@ def test_texts():
     cable, winch = hanging()
     for bad, text in (
         (lambda: winch.payOut(1, to=5), r"there are 5 m outside already"),
-        (lambda: winch.payOut(1, to=11), r"to = 11: must be 0\.125 to 9\.875 m"),
+        (lambda: winch.payOut(1, to=11), r"to = 11.0: must be 0\.125 to 9\.875 m"),
         (lambda: winch.payOut(math.nan), r"payOut: speed"),
         (lambda: winch.haul(1, 5, to=6), r"there is nothing to draw in"),
         (lambda: winch.haul(-1, 5), r"haul: speed"),

@@ -8,6 +8,7 @@ from yade import Vector3
 from . import values
 from .cables import Cable
 from .record import structures
+from .structure import Span
 
 
 class Winch:
@@ -61,6 +62,7 @@ class Winch:
         self.cable, self.end = cable, end
         count = max(1, round(stored / layout.length[end]))
         layout.wind(end, count, stored / count)
+        cable.spans = [Span(cable, run) for run in layout.runs]
         cable._stored = (end, count)
         cable._later.append((lambda: self._wind(count, inertia), lambda: None))
 
