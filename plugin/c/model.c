@@ -31,10 +31,10 @@ static ancf_error check_elements(const ancf_def* def, int* where) {
     for (int e = 0; e < def->n_elements; ++e) {
         *where = e;
         const int start = def->ends[2 * e], end = def->ends[2 * e + 1];
-        const bool wound = def->element[e].kind & ANCF_WOUND;
-        if (start < 0 || end < 0 || start >= def->n_nodes || end >= def->n_nodes || (start == end) != wound)
-            return ANCF_E_NODE;
+        const bool wound = def->element[e].kind & ANCF_WOUND, out = start >= def->n_nodes || end >= def->n_nodes;
+        if (start < 0 || end < 0 || out || (start == end && !wound)) return ANCF_E_NODE;
         const ancf_error error = check_element(&def->element[e]);
+        if (!error && wound && start != end) return ANCF_E_KIND;
         if (error) return error;
     }
     return ANCF_OK;

@@ -86,25 +86,42 @@ void CableEngine::checkWinch(int i) const {
     const Attributes all(text("CableEngine ", family));
     const Row row(winchRows, static_cast<size_t>(i));
     const int first = winchElements[i];
-    int exit = winchExits[i]; // as tied(), of lists that are looked at
-    for (size_t k = 0; k < tiedNodes.size(); ++k)
-        if (tiedNodes[k] == exit) {
-            exit = tiedTo[k];
-            k = size_t(-1);
-        }
+    vector<int> other(static_cast<size_t>(nNodes), -1);
+    for (size_t k = 0; k < tiedNodes.size(); ++k) other[tiedNodes[k]] = tiedTo[k];
+    const auto standing = [&](int node) { // as tied(), of lists that are being looked at
+        while (other[node] >= 0) node = other[node];
+        return node;
+    };
+    const int exit = standing(winchExits[i]);
     if (!row.has(first) || first == row.drum)
         all.refuse("winchElements[", i, "] = ", first, ": must be of its row, ", row.drum, " to ", row.far,
                    ", and not the last on the drum");
+    const bool mixed = length[first] > 2.5 * winchLengths[first] || length[first] < .2 * winchLengths[first];
+    Real beyond = 0;
+    int near = exit; // node at the near end of the next element outside
+    vector<int> nodes;
     for (int e = row.drum, passed = 0;; e += row.step) {
         passed |= e == first;
-        const bool wound = kind[e] & ANCF_WOUND;
-        if (!(kind[e] & ANCF_SPRING) || wound == bool(passed) || winchNodes[e] < 0 || !(winchLengths[e] > 0) ||
-            (e == first && ends[2 * e + row.near] != exit) || (wound && ends[2 * e] != exit))
-            all.refuse("winchRows[", i, "]: element ", e, " of kind ", kind[e], " with the ends ", ends[2 * e], " and ",
-                       ends[2 * e + 1], " does not fit to a cable that is wound up to element ", first, " at node ",
-                       exit);
+        const bool wound = kind[e] & ANCF_WOUND, beside = e == first || e == first - row.step;
+        const int *end = &ends[2 * e], node = winchNodes[e];
+        const bool tiedHere = node >= 0 && other[node] >= 0 && standing(node) == exit;
+        if (!(kind[e] & ANCF_SPRING) || wound == bool(passed) || node < 0 || !(winchLengths[e] > 0) ||
+            (!beside && length[e] != winchLengths[e]) || (e == first && mixed) ||
+            (wound && (end[0] != exit || !tiedHere)) ||
+            (!wound && (end[row.near] != near || end[1 - row.near] != standing(node))))
+            all.refuse("winchRows[", i, "]: element ", e, " of kind ", kind[e], ", length ", length[e], " m, the ends ",
+                       end[0], " and ", end[1], ", winchNodes = ", node, " and winchLengths = ", winchLengths[e],
+                       " does not fit to a cable that is wound up to element ", first, " at node ", exit);
+        if (!wound) near = standing(node);
+        if (passed && e != first) beyond += length[e];
+        nodes.push_back(node);
         if (e == row.far) break;
     }
+    all.distinct("winchNodes", nodes, "each element has one of its own");
+    const Real known = winchNumbers[static_cast<size_t>(NUMBERS * i + BEYOND)];
+    if (!(std::abs(known - beyond) <= 1e-9 * (beyond + length[first])))
+        all.refuse("winchNumbers[", NUMBERS * i + BEYOND, "] = ", known, ": must be ", beyond,
+                   " m, the length beyond element ", first);
     const Real* numbers = &winchNumbers[static_cast<size_t>(NUMBERS * i)];
     for (int k = 0; k < NUMBERS; ++k) {
         const bool bound = k == FORCE || k == BRAKE || k == MOST;

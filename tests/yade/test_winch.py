@@ -345,3 +345,28 @@ def test_edited_lengths_are_told():
         lengths = list(engine.length)
         lengths[first] *= 1.2
         engine.length = lengths
+
+
+@pytest.mark.parametrize("name", ["winchExits", "winchRows", "winchElements", "winchNodes"])
+def test_damaged_lists_are_told(name):
+    """As a damaged save would bring them."""
+    cable, winch = hanging()
+    winch.payOut(1)
+    steps(3)
+    engine = cable.engine
+    good = list(getattr(engine, name))
+    for bad in (
+        [],
+        good[:-1],
+        [*good, 0],
+        *[
+            [*good[:i], value, *good[i + 1 :]]
+            for i in {0, len(good) - 1}
+            for value in (-5, 3, 10**6)
+        ],
+    ):
+        with pytest.raises(ValueError, match="CableEngine .*winch|CableEngine .*wound"):
+            engine.updateAttrs({name: bad})
+        engine.updateAttrs({name: good})
+    steps(3)
+    assert winch.state() == "lets out"
