@@ -73,6 +73,20 @@ def test_tension_while_it_is_paid_out_and_hauled_in():
     assert cable.length == pytest.approx(10)
 
 
+def test_what_holds_the_drum():
+    """Weight of all, the drum's too, less rho A u^2 that what leaves takes along; and what the tension is off."""
+    cable, winch = hanging(damping=2e-4)
+    rhoA, weight = cable.section.rhoA, (0.5 + cable.mass) * G
+    assert cable.reaction(0)[2] == pytest.approx(weight, rel=1e-6)
+    winch.payOut(lambda t: 2 * math.sin(math.pi / 2 * min(1, t)) ** 3, to=9.5)
+    runFor(1.2)
+    for _ in range(1000):
+        O.step()
+        more = winch.tension - (0.5 + rhoA * winch.length) * G
+        assert cable.reaction(0)[2] - weight - more == pytest.approx(-rhoA * 2**2, rel=0.01)
+    assert cable.tension(0) == cable.strain(0) == 0  # on the drum
+
+
 def test_stops_where_it_is_told():
     cable, winch = hanging()
     assert winch.state() == "holds" and winch.length == pytest.approx(5)
