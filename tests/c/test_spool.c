@@ -273,7 +273,36 @@ static void energy_of_a_swinging_tether(void** state) {
     assert_true(coarse < 1e-6);        // of 12 J
     assert_true(fine < 0.35 * coarse); // second order
     assert_true(unbalanced(4e-5, 1, 0.0) < 1e-5);
-    assert_true(unbalanced(4e-5, -1, 1e-4) < 1e-4);
+    assert_true(unbalanced(4e-5, -1, 1e-4) < 1e-6); // seen: 2e-7
+}
+
+// In a swing the tension goes on where nodes come and go.
+static void tension_goes_on(void** state) {
+    (void)state;
+    const double h = 4e-5, way[3] = {0.6, 0, -0.8};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        ancf_element el = tether;
+        el.damping = 2e-4;
+        rope r = lay(40, 20, 0.25, el, 0.3, 0.0, way);
+        r.gravity[2] = -9.81;
+        connect(&r);
+        double last = 0.0;
+        for (int i = 0; i < 50000; ++i) {
+            const int changes = r.splits + r.merges;
+            r.s.law.speed = sign * 1.5 * sin(0.5 * pi * (r.elapsed + h / 2) / 2.0);
+            step(&r, h);
+            end(&r);
+            if (r.splits + r.merges == changes) {
+                last = r.s.tension;
+                continue;
+            }
+            step(&r, h);
+            assert_close(r.s.tension, last, 0.015); // seen: 0.008; of one chord for two it were a third
+            end(&r);
+        }
+        assert_int_equal(r.splits + r.merges, 8);
+        finish(&r);
+    }
 }
 
 static void momentum(double P[3], double H[3], rope* r) {
@@ -297,7 +326,7 @@ static void chaser_tether_and_bob(void** state) {
         for (int i = 0; i <= 40; ++i) {
             if (i > 0 && i <= r.s.element) continue;
             r.b.v[r.b.stride + i] = 1.5 * r.b.x[i];
-            r.b.v[2 * r.b.stride + i] = 0.7;
+            r.b.v[2 * r.b.stride + i] = 0.7 + 0.5 * sin(0.4 * pi * r.b.x[i]); // it bends
         }
         connect(&r);
         double P[3], H[3], Q[3], K[3], mass = 0.0, later = 0.0, base = 0.0;
@@ -395,7 +424,7 @@ int main(void) {
         cmocka_unit_test(tension_at_an_acceleration), cmocka_unit_test(bob_that_circles_is_hauled_in),
         cmocka_unit_test(pendulum_slowly_hauled_in),  cmocka_unit_test(energy_of_a_swinging_tether),
         cmocka_unit_test(chaser_tether_and_bob),      cmocka_unit_test(drum_with_inertia),
-        cmocka_unit_test(ends_where_it_is_told),
+        cmocka_unit_test(ends_where_it_is_told),      cmocka_unit_test(tension_goes_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

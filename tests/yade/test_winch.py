@@ -251,6 +251,31 @@ def test_saved_to_the_last_bit(tmp_path, speed):
     assert now() == there
 
 
+def test_several_in_one_engine():
+    """Each does its own, one at a first and one at a last knot, one appended while the others run."""
+
+    def hoist(x, end):
+        points = [(x, 0, 0), (x, 0, -3)]
+        cable, winch = tether(points if end == 0 else points[::-1], 4, end, parts=12, label=f"{x}")
+        cable.fix(end)
+        cable.carry(-1 - end, ball((x, 0, -3), 0.05, mass=0.3, material="cord", mask=2))
+        return cable, winch
+
+    (first, down), (second, up) = hoist(0, 0), hoist(1, -1)
+    O.engines = ancf.engines(first, second, gravity=(0, 0, -G))
+    down.payOut(1)
+    up.haul(1, force=100)
+    runFor(0.2)
+    third, late = hoist(2, 0)
+    third.append(engine=first.engine)
+    late.payOut(0.5)
+    runFor(0.5)
+    assert [w.cable.name for w in ancf.winches()] == ["0", "1", "2"]
+    for winch, length in ((down, 3.7), (up, 2.3), (late, 3.25)):
+        assert winch.length == pytest.approx(length, abs=1e-3)
+        assert winch.length + winch.stored == pytest.approx(7, abs=1e-12)
+
+
 def test_a_speed_of_time_is_not_saved(tmp_path):
     cable, winch = hanging()
     winch.payOut(lambda t: 1)
