@@ -1,4 +1,5 @@
-// The mass matrix: constant, scalar times the 3x3 identity, factored once.
+// The mass matrix: scalar times the 3x3 identity, factored once. One that is diagonal may change with the lengths of
+// springs (spool.h).
 #ifndef ANCF_MASS_H
 #define ANCF_MASS_H
 
