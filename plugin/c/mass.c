@@ -300,6 +300,29 @@ const double* ancf_mass_inverse(const ancf_model* m) { return m->mass->inverse; 
 
 bool ancf_mass_diagonal(const ancf_model* m) { return m->mass->diagonal; }
 
+double ancf_mass_of_node(const ancf_model* m, int node) { return m->mass->own[node] + m->mass->added[node]; }
+
+void ancf_mass_lend(ancf_model* m, int node, double mass) {
+    if (m->mass->row[node] >= 0) m->mass->inverse[node] = 1.0 / mass;
+}
+
+// Sums as find_diagonal() has them, to the last bit.
+void ancf_mass_refresh(ancf_model* m, int element) {
+    ancf_mass* mass = m->mass;
+    const double half = m->element[element].rho_a * m->element[element].length / 2.0;
+    mass->matrix[element] = half;
+    for (int k = 0; k < 2; ++k) {
+        const int node = m->ends[2 * element + k];
+        double own = 0.0;
+        for (int i = m->first[node]; i < m->first[node + 1]; ++i) {
+            const ancf_element* el = &m->element[m->at[i] >> 1];
+            own += el->rho_a * el->length / 2.0;
+        }
+        mass->own[node] = own;
+        ancf_mass_lend(m, node, own + mass->added[node]);
+    }
+}
+
 ANCF_CLONES static void solve_diagonal(const ancf_model* m, double* acceleration, const double* force) {
     const double* inverse = m->mass->inverse;
     for (int c = 0; c < 3; ++c) {

@@ -15,8 +15,10 @@ int ancf_stride(int n_nodes, int n_elements) { return (n_nodes + 2 * n_elements 
 static bool is_finite_positive(double value) { return isfinite(value) && value > 0.0; }
 
 static ancf_error check_element(const ancf_element* e) {
-    if (e->kind & ~(ANCF_SPRING | ANCF_LUMPED | ANCF_AXIAL_REDUCED | ANCF_CURVATURE_EXACT | ANCF_ENGINEERING))
+    if (e->kind &
+        ~(ANCF_SPRING | ANCF_LUMPED | ANCF_AXIAL_REDUCED | ANCF_CURVATURE_EXACT | ANCF_ENGINEERING | ANCF_WOUND))
         return ANCF_E_KIND;
+    if ((e->kind & ANCF_WOUND) && !(e->kind & ANCF_SPRING)) return ANCF_E_KIND;
     if (!is_finite_positive(e->length)) return ANCF_E_LENGTH;
     if (!is_finite_positive(e->ea) || !isfinite(e->ei) || e->ei < 0.0) return ANCF_E_STIFFNESS;
     if (!is_finite_positive(e->rho_a)) return ANCF_E_MASS;
@@ -30,8 +32,10 @@ static ancf_error check_elements(const ancf_def* def, int* where) {
     for (int e = 0; e < def->n_elements; ++e) {
         *where = e;
         const int start = def->ends[2 * e], end = def->ends[2 * e + 1];
-        if (start < 0 || end < 0 || start >= def->n_nodes || end >= def->n_nodes || start == end) return ANCF_E_NODE;
+        const bool wound = def->element[e].kind & ANCF_WOUND, out = start >= def->n_nodes || end >= def->n_nodes;
+        if (start < 0 || end < 0 || out || (start == end && !wound)) return ANCF_E_NODE;
         const ancf_error error = check_element(&def->element[e]);
+        if (!error && wound && start != end) return ANCF_E_KIND;
         if (error) return error;
     }
     return ANCF_OK;
@@ -201,6 +205,32 @@ static void find_ends(ancf_model* m) {
     for (int k = 0; k < 2 * m->n_elements; ++k) m->sign[k] = m->at[k] & 1 ? 1.0 : -1.0;
 }
 
+ancf_error ancf_model_feed(ancf_model* m, int element) {
+    if (!m->fed) m->fed = calloc(3 * (size_t)m->n_elements, sizeof *m->fed);
+    if (!m->fed) return ANCF_E_MEMORY;
+    ancf_tiles_part(m, element);
+    return ANCF_OK;
+}
+
+static void weigh_node(ancf_model* m, int node) {
+    double sum = 0.0;
+    for (int k = m->first[node]; k < m->first[node + 1]; ++k) {
+        double w[4];
+        ancf_mass_weight(w, &m->element[m->at[k] >> 1]);
+        sum += w[0];
+    }
+    m->weight[node] = sum + ancf_mass_added(m, node);
+}
+
+void ancf_model_set_length(ancf_model* m, int element, double length) {
+    ancf_element* el = &m->element[element];
+    el->length = length;
+    m->inv_length[element] = 1.0 / length;
+    m->ea_length[element] = el->ea * length / 4.0;
+    ancf_mass_refresh(m, element);
+    for (int k = 0; k < 2; ++k) weigh_node(m, m->ends[2 * element + k]);
+}
+
 // Gravity acts on the true curve, so that a cable sags the same however its mass is lumped.
 static void weigh(ancf_model* m) {
     for (int e = 0; e < m->n_elements; ++e) {
@@ -271,6 +301,7 @@ void ancf_model_destroy(ancf_model* m) {
     free(m->at);
     free(m->sign);
     free(m->inv_length);
+    free(m->fed);
     free(m->weight);
     free(m->external);
     free(m->pull);

@@ -75,14 +75,18 @@ double ancf_stiffening(int kind, double strain) {
     return 1.0 + (kind & ANCF_ENGINEERING ? 1.0 : 3.0) * fmax(strain, 0.0);
 }
 
+double ancf_element_step(const ancf_element* el, double strain) {
+    const double w = ancf_element_frequency(el) * sqrt(ancf_stiffening(el->kind, strain));
+    const double z = 0.5 * (el->damping * w + el->drag / w);
+    return 0.9 * (2.0 / w) / (sqrt(1.0 + z * z) + z); // as sqrt(1 + z^2) - z, which would cancel
+}
+
 double ancf_critical_step(const ancf_model* m, double strain, int* element) {
     double least = INFINITY;
     *element = 0;
     for (int e = 0; e < m->n_elements; ++e) {
-        const ancf_element* el = &m->element[e];
-        const double w = ancf_element_frequency(el) * sqrt(ancf_stiffening(el->kind, strain));
-        const double z = 0.5 * (el->damping * w + el->drag / w);
-        const double step = 0.9 * (2.0 / w) / (sqrt(1.0 + z * z) + z); // as sqrt(1 + z^2) - z, which would cancel
+        if (m->element[e].kind & ANCF_WOUND) continue;
+        const double step = ancf_element_step(&m->element[e], strain);
         if (step >= least) continue;
         least = step;
         *element = e;

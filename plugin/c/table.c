@@ -103,7 +103,9 @@ int ancf_table_add_slope(ancf_table* t, const ancf_model* m, int element, double
 }
 
 int ancf_table_add_knot(ancf_table* t, const ancf_model* m, int node) {
-    const int end = m->at[m->first[node]];
+    int k = m->first[node];
+    while (m->element[m->at[k] >> 1].kind & ANCF_WOUND && k + 1 < m->first[node + 1]) ++k;
+    const int end = m->at[k];
     return ancf_table_add_place(t, m, end >> 1, end & 1);
 }
 

@@ -36,6 +36,7 @@ static double strain_of(double square, int kind) {
 
 double ancf_strain(const ancf_model* m, const double* x, int element, double xi) {
     double r[3];
+    if (m->element[element].kind & ANCF_WOUND) return 0.0;
     slope_at(r, m, x, element, xi);
     return strain_of(ancf_inner(r, r), m->element[element].kind);
 }
@@ -78,6 +79,7 @@ double ancf_tension(const ancf_model* m, int element, double xi) {
     slope_at(r, m, m->x, element, xi);
     if (el->kind & ANCF_SPRING) {
         slope_at(rv, m, m->v, element, xi);
+        for (int c = 0; c < 3 && m->fed; ++c) rv[c] -= m->fed[c * m->n_elements + element] * m->inv_length[element];
         const double stretch = sqrt(ancf_inner(r, r));
         const double tension = el->ea * (stretch - 1.0 + el->damping * ancf_inner(r, rv) / stretch);
         return stretch > 1.0 && tension > 0.0 ? tension : 0.0;
@@ -119,6 +121,7 @@ double ancf_strain_max(const ancf_model* m, const double* x, int* element) {
     *element = 0;
     const int starts = m->n_nodes, ends = m->n_nodes + m->n_elements;
     for (int e = 0; e < m->n_elements; ++e) {
+        if (m->element[e].kind & ANCF_WOUND) continue;
         double start = 0.0, middle = 0.0, end = 0.0; // squares of |r'|
         for (int c = 0; c < 3; ++c) {
             const double* u = x + c * m->stride;

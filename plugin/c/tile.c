@@ -158,6 +158,17 @@ bool ancf_tiles_make(ancf_model* m) {
     return true;
 }
 
+void ancf_tiles_part(ancf_model* m, int element) {
+    int own = 0, other = -1;
+    while (m->tile[own].end <= element) ++own;
+    for (int k = own + 1; k < m->n_tiles; ++k) {
+        if (m->tile[k].like != own) continue;
+        if (other < 0) other = k;
+        m->tile[k].like = other;
+    }
+    m->tile[own].like = own;
+}
+
 // r1 - r0 of a tile's elements, or its rate.
 ANCF_CLONES static void find_ways(double way[3][ANCF_TILE], const ancf_model* m, const ancf_tile* t,
                                   const double* field) {
@@ -185,6 +196,8 @@ ANCF_CLONES static void find_ways(double way[3][ANCF_TILE], const ancf_model* m,
 void ancf_tile_rates(ancf_fields* k, const ancf_model* m, const ancf_tile* t, const double* v,
                      double wayv[3][ANCF_TILE]) {
     find_ways(wayv, m, t, v);
+    for (int c = 0; c < 3 && m->fed; ++c)
+        for (int e = t->begin; e < t->end; ++e) wayv[c][e - t->begin] -= m->fed[c * m->n_elements + e];
     for (int c = 0; c < 3; ++c) {
         k->wayv[c] = wayv[c];
         k->g0v[c] = v + c * m->stride + m->n_nodes + t->begin;

@@ -8,6 +8,9 @@
 // been made, as tiles with equal constants are told. False: out of memory.
 bool ancf_tiles_make(ancf_model* m);
 
+// Lets the tile of an element have constants of its own: those that were like it are no longer.
+void ancf_tiles_part(ancf_model* m, int element);
+
 // What a tile's kernel reads at a state (x, v); way, wayv: room for it. Forces on nodes go to m->pull.
 ancf_fields ancf_tile_fields(const ancf_model* m, const ancf_tile* tile, const double* x, const double* v,
                              double way[3][ANCF_TILE], double wayv[3][ANCF_TILE]);

@@ -21,7 +21,7 @@ extern "C" {
 namespace yade {
 
 namespace {
-    enum Account { ITER, HEIGHT, PRESSED, DAMPED, RUBBED, SLOWED, LIFTED, LOST, ACCOUNTS };
+    enum Account { ITER, HEIGHT, PRESSED, DAMPED, RUBBED, SLOWED, LIFTED, LOST, WOUND, ACCOUNTS };
 }
 
 // Energies at the positions that a step starts from: there leapfrog keeps their sum, and NewtonIntegrator counts what
@@ -32,7 +32,9 @@ void CableEngine::noteEnergy() {
         openAccounts.assign(ACCOUNTS, 0);
         openAccounts[HEIGHT] = heightAt;
         openAccounts[PRESSED] = touching.energies().elastic;
+        openAccounts[WOUND] = winchWork();
     }
+    woundAt = winchWork();
     m->damping_work = m->damping_half = 0;
     if (implicit) implicit->lost = 0;
 }
@@ -56,6 +58,8 @@ void CableEngine::trackEnergy() {
     tracker.add(open[PRESSED], "contactElastic", pressIx, true);
     tracker.add(open[DAMPED], "contactDamping", contactIx, false);
     tracker.add(open[RUBBED], "cableFriction", frictionIx, false);
+    if (!spools.empty()) tracker.add(open[WOUND] - woundAt, "winchWork", winchIx, false);
+    open[WOUND] = woundAt;
     open[ITER] = Real(scene->iter);
     open[HEIGHT] = heightAt;
     open[SLOWED] = model->damping_work - model->damping_half;
@@ -210,6 +214,12 @@ py::tuple CableEngine::momentum() {
     model->v = velocity.data();
     Vector3r linear, angular;
     ancf_momentum(linear.data(), angular.data(), model.get());
+    for (const ancf_spool& s : spools) {
+        Vector3r flow;
+        ancf_spool_momentum(flow.data(), &s, model.get(), lastStep);
+        linear += flow;
+        angular += nodeOf(model->x, model->stride, s.node).cross(flow);
+    }
     return py::make_tuple(linear, angular);
 }
 
@@ -248,6 +258,11 @@ void CableEngine::relax(Real tolerance, int iterations) {
         state.vel = Vector3r::Zero();
     }
     lastStep = 0;
+    for (ancf_spool& spool : spools) {
+        spool.rate = spool.ahead = spool.kinetic = 0;
+        std::fill_n(spool.flow, 3, 0);
+    }
+    keepSpools();
     changed();
     s.doSort = true;
 }

@@ -280,6 +280,7 @@ void CableEngine::checkAttributes() const {
     checkHolds(all, *this);
     checkSections(all, *this);
     checkMemory(all, *this);
+    checkWinches();
 }
 
 void CableEngine::checkDef(const char* what, const ancf_def& def, const Real* x, const Real* v) {

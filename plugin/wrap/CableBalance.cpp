@@ -110,6 +110,10 @@ void CableEngine::measureEnergy(const ancf_time& time) {
     const bool kept = leapfrog && m->track;
     kineticAt = kept ? m->kinetic : ancf_kinetic_kept(m, last, next);
     if (scene->trackEnergy) meanKineticAt = kept ? m->kinetic_mean : ancf_kinetic_kept(m, last, 0);
+    for (const ancf_spool& s : spools) {
+        kineticAt += s.kinetic;
+        meanKineticAt += s.kinetic;
+    }
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         if (carrierOf(carryIds[i]) < 0) continue;
         const Vector3r a = nodeOf(m->a, m->stride, carryNodes[i]);
@@ -137,7 +141,8 @@ void CableEngine::lookAtBalance(const ancf_time& time) {
     const Real slowed = model->track && !implicit && integrator == "leapfrog"
                             ? b[SLOWED] - ancf_kick(&time) / 2 * model->damping_power[0]
                             : b[SLOWED];
-    Real now = kineticAt + elasticAt + potential + b[STORED] + b[LOST] + b[GIVEN] - b[TAKEN] + slowed - b[OUTER];
+    Real now =
+        kineticAt + elasticAt + potential + b[STORED] + b[LOST] + b[GIVEN] - b[TAKEN] + slowed - b[OUTER] - winchWork();
     for (const Worked& one : worked) now -= forceOf(one).dot(time.last / 2 * one.before);
     if (!balanceGoesOn) {
         b[BASE] = now;
@@ -151,8 +156,9 @@ void CableEngine::lookAtBalance(const ancf_time& time) {
     balanceGoesOn = true;
     energyOff = now - b[BASE];
     b[LOWEST] = std::min(b[LOWEST], energyOff);
-    energyScale = std::max({energyScale, kineticAt + elasticAt + b[STORED], std::abs(b[OUTER]), b[GIVEN], b[TAKEN],
-                            b[LOST] + slowed, std::abs(potential - b[START]), rounding * std::abs(potential)});
+    energyScale =
+        std::max({energyScale, kineticAt + elasticAt + b[STORED], std::abs(b[OUTER]), std::abs(winchWork()), b[GIVEN],
+                  b[TAKEN], b[LOST] + slowed, std::abs(potential - b[START]), rounding * std::abs(potential)});
     b[SEEN] = b[FOUND];
     b[EXCHANGED] = 0;
     b[NEXT] = interval - 1;

@@ -229,6 +229,7 @@ void CableCheck::overlapsOfElements(vector<Overlap>& found, Real part) const {
     for (const auto& [mask, those] : elements)
         for (const Body* body : those) {
             const int e = CableElement::of(*body)->element;
+            if (cable.kind[e] & ANCF_WOUND) continue;
             ancf_cubic cubic;
             ancf_cover_cubic(&cubic, cable.theModel(), cable.theModel()->x, e);
             pieces.push_back({body, &view->cover[e], cubic, Hull(cubic)});

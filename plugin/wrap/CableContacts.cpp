@@ -103,7 +103,7 @@ void CableContacts::makeCover(const CableEngine& cable) {
         const auto [kind, fresh] = kindOf.insert({{body.material.get(), c.radius}, static_cast<int>(kindOf.size())});
         c.kind = kind->second;
         if (fresh) covers.emplace_back(body.material, c.radius);
-        c.mask = static_cast<int>(body.groupMask) & ~CableElement::allHave;
+        c.mask = cable.kind[e] & ANCF_WOUND ? 0 : static_cast<int>(body.groupMask) & ~CableElement::allHave;
         c.structure = cable.structure[e];
         c.own = cable.selfContact[e] != 0;
         c.run = cable.run[e];
@@ -205,7 +205,9 @@ void CableContacts::lookAround(const CableEngine& cable) {
     placeBodies(cable);
     awake.clear();
     for (int e = 0; e < cable.nElements(); ++e)
-        if (cable.elementIds[e] >= 0 && !(cable.sleep && cable.elementBody(e).intrs.empty())) awake.push_back(e);
+        if (cable.elementIds[e] >= 0 && !(cable.kind[e] & ANCF_WOUND) &&
+            !(cable.sleep && cable.elementBody(e).intrs.empty()))
+            awake.push_back(e);
 }
 
 void CableContacts::placeBodies(const CableEngine& cable) const {

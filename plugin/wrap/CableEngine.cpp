@@ -89,16 +89,18 @@ void CableEngine::forget() {
     changed();
     touching = CableContacts();
     home.reset();
-    for (vector<Real>* list :
-         {&position, &velocity, &acceleration, &length, &ea, &ei, &rhoA, &kelvinVoigt, &massDamping, &radius, &arc,
-          &closed, &crossValues, &openAccounts, &watched, &balance, &sectionYoung, &sectionDensity})
+    for (vector<Real>* list : {&position, &velocity,     &acceleration,   &length,       &ea,
+                               &ei,       &rhoA,         &kelvinVoigt,    &massDamping,  &radius,
+                               &arc,      &closed,       &crossValues,    &openAccounts, &watched,
+                               &balance,  &sectionYoung, &sectionDensity, &winchLengths, &winchNumbers})
         vector<Real>().swap(*list);
     vector<string>().swap(record);
     for (vector<int>* list :
-         {&ends,        &next,     &kind,       &elementIds,       &segments,     &points,     &structure,
-          &selfContact, &run,      &fixedNodes, &clampedEnds,      &followNodes,  &followEnds, &followIds,
-          &carryNodes,  &carryIds, &loadNodes,  &tiedNodes,        &tiedTo,       &crossPairs, &carrierOfBody,
-          &standsFor,   &driven,   &sections,   &sectionMaterials, &sectionBends, &slideNodes})
+         {&ends,          &next,       &kind,       &elementIds,       &segments,     &points,     &structure,
+          &selfContact,   &run,        &fixedNodes, &clampedEnds,      &followNodes,  &followEnds, &followIds,
+          &carryNodes,    &carryIds,   &loadNodes,  &tiedNodes,        &tiedTo,       &crossPairs, &carrierOfBody,
+          &standsFor,     &driven,     &sections,   &sectionMaterials, &sectionBends, &winchExits, &winchRows,
+          &winchElements, &winchNodes, &winchDoes,  &winchScripted,    &slideNodes})
         vector<int>().swap(*list);
     for (vector<Vector3r>* list :
          {&followAt, &followSlopes, &slideAlong, &slideAt, &carryAt, &loads, &carryReaction, &carriedForce})
@@ -271,6 +273,10 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
     rhoA.insert(rhoA.end(), e, newRhoA);
     kelvinVoigt.insert(kelvinVoigt.end(), e, newDamping);
     massDamping.insert(massDamping.end(), e, newMassDamping);
+    if (!winchExits.empty()) {
+        winchNodes.resize(length.size(), -1);
+        winchLengths.resize(length.size(), 0);
+    }
     nNodes = allNodes;
     atHome();
     changed();
@@ -343,8 +349,18 @@ vector<Body::id_t> CableEngine::addBodies(int first, const shared_ptr<Material>&
     return ids;
 }
 
+namespace {
+    // What is wound on a drum stands for nothing yet.
+    void checkOutside(const CableEngine& cable, int node, const char* what) {
+        if (has(cable.winchNodes, node) && cable.tied(node) != node && has(cable.winchExits, cable.tied(node)))
+            throw std::invalid_argument(
+                text("CableEngine.", what, ": node ", node, " is wound on the drum of a winch: pay it out first"));
+    }
+} // namespace
+
 void CableEngine::fix(int node) {
     checkNode(node, "fix");
+    checkOutside(*this, node, "fix");
     checkUnclaimed(node = tied(node));
     fixedNodes.push_back(node);
     changed();
@@ -369,6 +385,7 @@ void CableEngine::clamp(int element, int end) {
 void CableEngine::follow(int node, Body::id_t id) {
     refuseWhileRunning("CableEngine.follow");
     checkNode(node, "follow");
+    checkOutside(*this, node, "follow");
     checkUnclaimed(node = tied(node));
     const Body& body = followedBody(id);
     followNodes.push_back(node);
@@ -421,6 +438,7 @@ vector<ancf_slide> CableEngine::slides() const {
 void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
     refuseWhileRunning("CableEngine.carry");
     checkNode(node, "carry");
+    checkOutside(*this, node, "carry");
     checkUnclaimed(node = tied(node));
     const Body& body = carriedBody(id);
     State& state = *body.state;
@@ -445,6 +463,7 @@ void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
 
 void CableEngine::load(int node, const Vector3r& force) {
     checkNode(node, "load");
+    checkOutside(*this, node, "load");
     Attributes(text("CableEngine.load: node ", node))
         .need(finite(force), "force", force, "finite, and below 1e100 [N]");
     node = tied(node);
@@ -527,6 +546,8 @@ void CableEngine::setVelocities(int firstNode, const py::object& ofNodes, int fi
 void CableEngine::tie(int node, int other) {
     checkNode(node, "tie");
     checkNode(other, "tie");
+    checkOutside(*this, node, "tie");
+    checkOutside(*this, other, "tie");
     node = tied(node);
     other = tied(other);
     if (node == other) throw std::invalid_argument(text("CableEngine.tie: node ", node, " with itself"));

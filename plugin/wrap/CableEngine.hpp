@@ -3,6 +3,7 @@
 #pragma once
 
 #include "CableContacts.hpp"
+#include "Drive.hpp"
 #include "Guard.hpp"
 #include "StepClock.hpp"
 
@@ -17,6 +18,7 @@
 extern "C" {
 #include "ancf/implicit.h"
 #include "ancf/model.h"
+#include "ancf/spool.h"
 #include "ancf/step.h"
 }
 
@@ -64,6 +66,8 @@ class CableEngine : public GlobalEngine {
     boost::weak_ptr<Scene> home;         // the scene it was last made ready in
     vector<Vector3r> carriedForce;       // (carryNodes) on the body, without the cable [N]
     mutable bool sound = true;           // false: attributes came from outside that checkAttributes() has not let pass
+    vector<ancf_spool> spools;           // of the winches, for the model
+    Schedules winchSpeeds;
     bool anyCoupled = false;
     bool forgotten = false; // its scene is gone
     bool loaded = false;    // forces may stand in model->external
@@ -71,8 +75,8 @@ class CableEngine : public GlobalEngine {
     Real movedBy = 0;       // time that the state has gone on since it had these [s]
     StepClock clock;
     int normalKind = 2, frictionKind = 2;
-    Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
-    Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
+    Real substepLimit = 0;                                        // length of automatic sub-steps at most [s]
+    Real kineticAt = 0, elasticAt = 0, heightAt = 0, woundAt = 0; // at the positions that a step starts from [J]
     Real meanKineticAt = 0; // of elements alone, at the mean of the velocities before and after [J]
     enum { LED = -1, PULLED = -2 };
     struct Worked {       // what something does work on in a step, a node or a slope
@@ -114,7 +118,7 @@ class CableEngine : public GlobalEngine {
     std::shared_ptr<Kept> kept;                             // between begin() and commit() or rollback()
     vector<std::pair<Body::id_t, unsigned>> freedomsBefore; // of bodies carried since begin()
     int lostIx = -1, elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1,
-        pressIx = -1, halfStepIx = -1;
+        pressIx = -1, halfStepIx = -1, winchIx = -1;
 
     struct Listed { // in the list of all engines
         explicit Listed(CableEngine* engine);
@@ -217,6 +221,20 @@ class CableEngine : public GlobalEngine {
     void bookLoad(int node, const Vector3r& change);
     void bookDamping();
 
+    void checkWinches() const;
+    void checkWinch(int winch) const;
+    void makeSpools();
+    void keepSpools();
+    void askWinches();
+    void feedWinches(const ancf_time& time);
+    void endWinches();
+    void knotWinches();
+    bool knotWinch(int winch);
+    void checkClaimed(int winch, int node) const;
+    Real winchWork() const;
+    Real winchRate() const;
+    Real stableStep(Real strain, int* element) const;
+
 public:
     static constexpr int segmentsMost = 64;   // of an element
     static constexpr int substepsMost = 1000; // in an O.dt
@@ -260,6 +278,9 @@ public:
     void tie(int node, int other);
     void release(int node);
     void note(int number, const string& text);
+    int wind(int drum, int far, int wound, Real inertia);
+    void setWinch(int winch, const py::object& speed, Real force, Real brake, Real least, Real most);
+    py::dict winch(int number) const;
     int tied(int node) const;
     vector<int> elementsAt(int node) const;
     py::object state(int firstNode, int nodes, int firstElement, int elements) const;
@@ -347,6 +368,14 @@ public:
         ((vector<Vector3r>, loads, , Attr::readonly, "The forces [N]."))
         ((vector<int>, tiedNodes, , Attr::readonly, "Nodes that another one stands for."))
         ((vector<int>, tiedTo, , Attr::readonly, "The ones that stand for them."))
+        ((vector<int>, winchExits, , Attr::readonly, "Nodes at which cables leave the drums of their winches."))
+        ((vector<int>, winchRows, , Attr::readonly, "Elements of these cables: the last on the drum and the last on the far side, two for each winch."))
+        ((vector<int>, winchElements, , Attr::readonly, "First elements outside, one for each winch."))
+        ((vector<int>, winchNodes, , Attr::readonly, "Nodes on the far sides of elements of such cables, -1 for others; empty: no winches."))
+        ((vector<Real>, winchLengths, , Attr::readonly, "Their unstressed lengths, but for those at the exits [m]."))
+        ((vector<int>, winchDoes, , Attr::hidden, "What drums did in the last step: 0 holds, 1 draws, 2 strains, 3 slips."))
+        ((vector<int>, winchScripted, , Attr::hidden, "1 where the speed is a Python function of time."))
+        ((vector<Real>, winchNumbers, , Attr::hidden, "Law and state of the winches, see CableWinch.cpp."))
         ((vector<string>, record, , Attr::readonly, "What the Cable and Net objects of Python know besides, a line of JSON each; ancf.structures() reads it."))
         ((Real, lastStep, 0, Attr::readonly, "Length of the cable's step before [s], 0 at the start."))
         ((Vector3r, gravity, Vector3r::Zero(), Attr::readonly, "That of NewtonIntegrator, as last seen [m/s²]."))
@@ -395,6 +424,9 @@ public:
         .def("tie", &CableEngine::tie, (py::arg("node"), py::arg("other")), "Makes two nodes one, the first.")
         .def("release", &CableEngine::release, (py::arg("node")), "Frees a node, and the slopes at it, from fix, clamp, follow, followSlope, slide and load.")
         .def("note", &CableEngine::note, (py::arg("number"), py::arg("text")), "Replaces an item of record, or adds one at its end.")
+        .def("wind", &CableEngine::wind, (py::arg("drum"), py::arg("far"), py::arg("wound"), py::arg("inertia")), "Winds so many elements of a row of springs, from `drum` to `far`, on a drum at the node where it begins; inertia: the drum's over the square of its radius [kg]. Returns the winch's number. ValueError on bad values.")
+        .def("setWinch", &CableEngine::setWinch, (py::arg("winch"), py::arg("speed"), py::arg("force"), py::arg("brake"), py::arg("least"), py::arg("most")), "What a winch does: draws at a speed [m/s], a number or a function of time, with a force [N], and slips above its brake's [N], between two unstressed lengths outside [m]. ValueError on bad values.")
+        .def("winch", &CableEngine::winch, (py::arg("number")), "What a winch did in the last step, as dict does, tension [N], rate of the length outside [m/s], length outside and wound [m], work on the cable and energy by nodes that came and went [J], least and most [m].")
         .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
         .def("elementsAt", &CableEngine::elementsAt, (py::arg("node")), "Elements that meet at a node.")
         .def("state", &CableEngine::state, (py::arg("firstNode"), py::arg("nodes"), py::arg("firstElement"), py::arg("elements")),

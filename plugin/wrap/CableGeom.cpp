@@ -191,7 +191,8 @@ namespace {
         if (!view) return accept(contact, found.data(), 0, 0, 0, false);
         const ancf_cover& cover = view->cover[element.element];
         int n = 0;
-        if (!element.excludes(contact->getId1())) {
+        const bool wound = view->model->element[element.element].kind & ANCF_WOUND;
+        if (!wound && !element.excludes(contact->getId1())) {
             ancf_cubic cubic;
             ancf_cover_ahead(&cubic, view->model, element.element, scene.dt / 2);
             const Real speed = fastest(state, ancf_solid_reach(&solid)) + fastest(*view->model, element.element);

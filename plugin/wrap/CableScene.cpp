@@ -278,7 +278,7 @@ void CableEngine::getReady() {
                 balanceGoesOn = false; // what is new may press from the start
             }
             if (around || known != static_cast<Body::id_t>(scene->bodies->size())) checkIntegrator();
-            if (heldBodiesChanged()) build();
+            if (heldBodiesChanged() || !model) build();
             if (++sinceChecked >= checkInterval) {
                 lookAtBodies();
                 CableCheck(*this).partners(0);

@@ -44,7 +44,7 @@ void CableEngine::startWatch() {
 
 void CableEngine::setLimit() {
     int element;
-    substepLimit = ancf_critical_step(model.get(), watched[ROOM], &element);
+    substepLimit = stableStep(watched[ROOM], &element);
 }
 
 // Steps of the cable in this O.dt.
@@ -58,7 +58,7 @@ int CableEngine::stepsInside() const {
 Real CableEngine::strainGrowth(Real fastest) const {
     Real still = 0; // of the cables' first node
     for (int c = 0; c < 3; ++c) still = std::max(still, std::abs(velocity[c * getStride()]));
-    const Real spread = std::max(ancf_speed_spread(model.get(), velocity.data()), fastest - still);
+    const Real spread = std::max(ancf_speed_spread(model.get(), velocity.data()), fastest - still) + winchRate();
     return spread * theScene().dt / shortest;
 }
 
@@ -104,7 +104,7 @@ void CableEngine::checkStep(int strained) {
                     " s: use O.dt <= ", substepsMost * substepLimit));
     const Real largest = std::max(strainReserve, watched[BOUND]), step = s.dt / inside;
     int stiffest = 0;
-    const Real leapfrog = ancf_critical_step(model.get(), largest, &stiffest);
+    const Real leapfrog = stableStep(largest, &stiffest);
     const Real limit = integrator == "rk4" ? rk4Reach * leapfrog : leapfrog;
     if (step <= (1 + 1e-7) * limit) return;
     const string remedy = integrator == "rk4" ? ""
@@ -129,7 +129,7 @@ Real CableEngine::criticalTimeStep() {
     if (!model) build();
     int element;
     const Real strained = std::max(strainReserve, ancf_strain_max(model.get(), position.data(), &element));
-    return ancf_critical_step(model.get(), strained, &element);
+    return stableStep(strained, &element);
 }
 
 } // namespace yade

@@ -122,12 +122,13 @@ void CableEngine::makeReady() {
     makeModel();
     loaded = stepped = false;
     checkIntegrator();
+    makeSpools();
     makeImplicit();
     if (anyCoupled && substeps > 1)
         refuse(text("substeps = ", substeps,
                     ": a body is carried off its centre or guided, which needs substeps = 1 or 0"));
     int element;
-    const Real stable = ancf_critical_step(model.get(), strainReserve, &element);
+    const Real stable = stableStep(strainReserve, &element);
     checkCriticalStep(stable, element);
     elementIds.resize(length.size(), -1);
     touching.build(*this);
@@ -266,13 +267,14 @@ void CableEngine::scatter() {
 // Steps of the cable inside this one, and what touches in them.
 void CableEngine::stepExplicit(int inside) {
     const bool look = balanceDue(), measured = look || scene->trackEnergy;
-    const bool alone = !touching.begin(*this, inside) && !measured && integrator == "leapfrog";
+    const bool alone = !touching.begin(*this, inside) && !measured && integrator == "leapfrog" && spools.empty();
     Real dampedBefore = 0; // the positions that the step starts from
     noteFastened();
     for (int k = 0; k < inside; ++k) {
         const ancf_time time {scene->dt / inside, integrator == "rk4" ? scene->dt : lastStep};
         kickPulls(k, inside);
         if (!alone) ancf_predict(model.get(), &time);
+        if (!spools.empty()) feedWinches(time);
         clock.passed(StepClock::ELASTIC);
         noteWorked();
         if (k == 0 && measured) measureEnergy(time);
@@ -295,6 +297,7 @@ void CableEngine::stepExplicit(int inside) {
         }
         clock.passed(StepClock::ELASTIC);
         if (!worked.empty()) bookWorked(time);
+        if (!spools.empty()) endWinches();
         if (k == 0) dampedBefore = model->damping_half;
         if (k == inside - 1) {
             touching.give(*this, time);
@@ -372,6 +375,7 @@ void CableEngine::action() {
     clock.start(timingDeltas.get());
     touching.stepBegins();
     eachDrive(*scene, [&](Drive& drive) { drive.prepare(*scene); }); // may call Python, which may change the model
+    askWinches();                                                    // and so may this
     getReady();
     startAfresh();
     model->x = position.data();
@@ -389,6 +393,7 @@ void CableEngine::action() {
     else stepExplicit(inside);
     stepped = true;
     if (scene->trackEnergy) trackEnergy();
+    if (!spools.empty()) knotWinches();
     clock.passed(StepClock::ENERGY);
 }
 

@@ -11,7 +11,9 @@ auto CableEngine::parts() {
                     massDamping, elementIds, radius, segments, points, structure, selfContact, run, arc, closed,
                     sections, sectionMaterials, sectionBends, sectionYoung, sectionDensity, fixedNodes, clampedEnds,
                     followNodes, followIds, followAt, followEnds, followSlopes, slideNodes, slideAlong, slideAt,
-                    carryNodes, carryIds, carryAt, carryReaction, loadNodes, loads, tiedNodes, tiedTo, lastStep);
+                    carryNodes, carryIds, carryAt, carryReaction, loadNodes, loads, tiedNodes, tiedTo, winchExits,
+                    winchRows, winchElements, winchNodes, winchLengths, winchDoes, winchScripted, winchNumbers,
+                    lastStep);
 }
 
 namespace {

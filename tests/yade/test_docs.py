@@ -99,7 +99,7 @@ def test_developers_pages_name_files_that_are_there(page):
     assert [path for path in named if not (ROOT / path).exists()] == []
 
 
-@pytest.mark.parametrize("cls", [ancf.Cable, ancf.Line, ancf.Net])
+@pytest.mark.parametrize("cls", [ancf.Cable, ancf.Line, ancf.Net, ancf.Winch])
 def test_docstrings_name_all_arguments_and_no_others(cls):
     told = re.findall(r"^(\w[\w, ]*?) {2,}\S", inspect.getdoc(cls), re.M)
     told = [name for names in told for name in names.split(", ")]

@@ -17,12 +17,14 @@ from .nets import Net  # noqa: E402
 from .record import structures  # noqa: E402
 from .running import progress, settle, stop  # noqa: E402
 from .scene import check, engines, plan, timeStep  # noqa: E402
+from .winches import Winch, winches  # noqa: E402
 
 __all__ = [
     *_load.classes,
     "Cable",
     "Line",
     "Net",
+    "Winch",
     "check",
     "engines",
     "lines",
@@ -33,4 +35,5 @@ __all__ = [
     "stop",
     "structures",
     "timeStep",
+    "winches",
 ]

@@ -92,6 +92,12 @@ class Cable(Structure):
     def _runs(edges, parts):
         return [Run(0, len(edges) * parts, (int(edges[0, 0]), int(edges[-1, 1])))]
 
+    def _own(self):
+        return {"stored": self._stored} if self._stored else {}
+
+    def _recall(self, own):
+        self._stored = tuple(own["stored"]) if own.get("stored") else None
+
     @property
     def _span(self):
         return self.spans[0]

@@ -46,9 +46,12 @@ def _made(engine, number, known):
     firstNode, firstElement = known["first"]
     layout = chained(knots, edges, parts)
     layout.runs = made._runs(edges, parts)
+    stored = known["own"].get("stored")
+    if stored:
+        layout.wind(*stored, 1.0)
     count = len(layout.ends)
     elements = slice(firstElement, firstElement + count)
-    layout.length = np.array(engine.length[elements])
+    layout.length = np.array((engine.winchLengths if stored else engine.length)[elements])
     follows = np.array(engine.next[elements])
     if len(layout.length) != count or firstNode + layout.nodes > engine.nNodes:
         raise ValueError(f"{count} elements from {firstElement} on, of {engine.nElements}")
@@ -69,12 +72,17 @@ def _claim(engine, structures):
     knots = {}  # node -> (structure, knot)
     for one in structures:
         knots |= {one._first[0] + knot: (one, knot) for knot in range(one._layout.knots)}
+    wound = set(engine.winchNodes)
     standing = {}  # node -> those that it stands for
     for node in engine.tiedNodes:
         standing.setdefault(engine.tied(node), []).append(node)
     for node, others in standing.items():
+        if not set(others) - wound:
+            continue
         first, at = knots[node]
         for other in others:
+            if other in wound:
+                continue
             one, knot = knots[other]
             one._claims[knot] = f"tied to knot {at} of {first.name}"
     holds = [(node, "fixed") for node in engine.fixedNodes]

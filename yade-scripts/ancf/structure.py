@@ -98,6 +98,31 @@ class Layout:
         self.length = self.length / ratio
         self.slopes = self.slopes * np.repeat(ratio, 2)[:, None]
 
+    def wind(self, end, count, length):
+        """Puts so many elements of a length before the first one (end 0) or behind the last (-1), at
+        the knot there: a drum. Their nodes come last.
+        """
+        new = self.nodes + np.arange(count)
+        out = 1 if end == 0 else 0  # the end of an element that is farther from the drum
+        drum = self.ends[end, 1 - out]
+        chain = np.concatenate([[drum], new])
+        wound = np.stack([chain[:-1], chain[1:]], axis=1)
+        self.ends[end, 1 - out] = new[-1]
+        each, none = np.full(count, length), np.full(count, -1)
+        if end == 0:
+            self.ends = np.concatenate([wound, self.ends])
+            self.length = np.concatenate([each, self.length])
+        else:
+            self.ends = np.concatenate([self.ends, wound[::-1, ::-1]])
+            self.length = np.concatenate([self.length, each])
+        self.next = np.concatenate([none, self.next])  # springs: -1 all of them
+        self.nodes += count
+        self.runs = [Run(0, len(self.ends), self.runs[0].knots)]
+        if self.places is not None:
+            self.places = np.concatenate([self.places, np.tile(self.places[drum], (count, 1))])
+            slopes = [np.tile(self.slopes[end], (2 * count, 1)), self.slopes]
+            self.slopes = np.concatenate(slopes if end == 0 else slopes[::-1])
+
 
 def layEdges(knots, edges, nodes, slopes, lengths):
     """Layout of elements between knots, edge by edge, none going on into another; no runs yet.
@@ -273,6 +298,10 @@ class Span:
     @property
     def _arc(self):
         """Unstressed length up to its nodes, (count + 1) numpy [m]."""
+        if self._structure._stored is not None and self._structure.appended:  # it changes
+            first = self._engineElement(0)
+            lengths = self._structure.engine.length[first : first + self._run.count]
+            return np.concatenate([[0.0], np.cumsum(lengths)])
         if self._lengthUpTo is None:
             lengths = self._structure._layout.length[self._elements]
             self._lengthUpTo = np.concatenate([[0.0], np.cumsum(lengths)])
@@ -379,6 +408,7 @@ class Structure:
         self._number = -1  # of us in its record
         self._claims = {}  # knot -> what holds it
         self._later = []  # (condition, what follows from it) to be carried out at append
+        self._stored = None  # (end, elements) of what is on a winch's drum at the start
         self._velocity = None  # (nodes (n, 3), slopes (2 E, 3)) at the start
         self._ties = []  # (structure, knot, structure, knot) to be made once both are in an engine
 
@@ -584,8 +614,15 @@ class Structure:
         return int(number) % n
 
     def _node(self, knot):
-        """Number in the engine of what stands for a knot."""
-        return self.engine.tied(self._first[0] + knot)
+        """Number in the engine of what stands for a knot; ValueError for one that is on a drum."""
+        number = self._first[0] + knot
+        node = self.engine.tied(number)
+        if self._stored is not None and node != number and node in self.engine.winchExits:
+            if number in self.engine.winchNodes:
+                raise ValueError(
+                    f"{self.name}: knot {knot} is wound on the drum of a winch: pay it out first"
+                )
+        return node
 
     def _mayClaim(self, knot, what):
         """Refuses what does not go with that which holds a knot."""

@@ -10,7 +10,8 @@
     X(ANCF_E_LOOSE, "no element ends at a node that moves: hold it, or leave it out")                                  \
     X(ANCF_E_NEXT, "'next' must be -1 or an element that starts at the node where this one ends, and be used once")    \
     X(ANCF_E_KIND,                                                                                                     \
-      "kind must be a sum of 1 spring, 2 lumped mass, 4 reduced axial rule, 8 exact curvature, 16 engineering strain") \
+      "kind must be a sum of 1 spring, 2 lumped mass, 4 reduced axial rule, 8 exact curvature, 16 engineering strain " \
+      "and, of springs, 32 wound on a drum")                                                                           \
     X(ANCF_E_LENGTH, "length must be finite and above zero")                                                           \
     X(ANCF_E_STIFFNESS, "ea must be finite and above zero, ei finite and not below zero")                              \
     X(ANCF_E_MASS, "rho_a must be finite and above zero, and an added mass finite and not below zero")                 \

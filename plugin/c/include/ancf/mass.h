@@ -1,4 +1,5 @@
-// The mass matrix: constant, scalar times the 3x3 identity, factored once.
+// The mass matrix: scalar times the 3x3 identity, factored once. One that is diagonal may change with the lengths of
+// springs (spool.h).
 #ifndef ANCF_MASS_H
 #define ANCF_MASS_H
 
@@ -33,6 +34,15 @@ double ancf_mass_added(const ancf_model* m, int node);
 
 // Inverse of the diagonal mass of every unknown (stride), 0 where it is held or has none [1/kg and its like].
 const double* ancf_mass_inverse(const ancf_model* m);
+
+// Mass of a node, where the matrix is diagonal [kg].
+double ancf_mass_of_node(const ancf_model* m, int node);
+
+// After the length of a spring has changed, where the matrix is diagonal.
+void ancf_mass_refresh(ancf_model* m, int element);
+
+// A node answers as if it had another mass, until that is done [kg].
+void ancf_mass_lend(ancf_model* m, int node, double mass);
 
 // True if the whole matrix is diagonal.
 bool ancf_mass_diagonal(const ancf_model* m);

@@ -20,6 +20,7 @@ enum {
     ANCF_AXIAL_REDUCED = 4,   // axial energy by 3 Gauss points instead of exactly
     ANCF_CURVATURE_EXACT = 8, // bending by kappa = |r' x r''|/|r'|^2 instead of |r''|
     ANCF_ENGINEERING = 16,    // axial strain |r'| - 1 instead of (r'.r' - 1)/2; of springs always
+    ANCF_WOUND = 32,          // spring on a drum: both ends are one node, at which it is mass alone (spool.h)
 };
 
 typedef struct {
@@ -113,6 +114,7 @@ typedef struct {
     double *inv_length, *ea_length, *ei_length; // 1/L, EA L/4, EI/L
     double* damping;                            // Kelvin-Voigt time [s]
     double* goes_on;                            // 1 where the slope at the end goes on within the tile, else 0
+    double* fed; // (3 x n_elements) rate of its way at which an element keeps its strain as it is fed, NULL: none [m/s]
 
     ancf_mass* mass;
     double* weight; // (n_dof) gravity's force is weight g [kg or kg m]
@@ -144,6 +146,12 @@ void ancf_model_destroy(ancf_model* model);
 ancf_error ancf_model_check(const ancf_def* def, const double* x, const double* v, int* where);
 
 int ancf_stride(int n_nodes, int n_elements);
+
+// Makes room for m->fed, and lets the tile of an element have constants of its own. ANCF_E_MEMORY.
+ancf_error ancf_model_feed(ancf_model* m, int element);
+
+// Changes the unstressed length of a spring, and with it mass and weight of its nodes.
+void ancf_model_set_length(ancf_model* m, int element, double length);
 
 // Numbers of an element's unknowns in a block: (start node, start slope, end node, end slope).
 static inline void ancf_model_dofs(int dof[4], const ancf_model* m, int element) {
