@@ -32,6 +32,7 @@ SAMPLE = 1e-3  # [s]
 ACCOUNTS = {
     "kinetic": "block moves",
     "cableKinetic": "net moves",
+    "cableHalfStep": "net, half kicks",
     "cableElastic": "net and absorbers, strain",
     "contactElastic": "contacts, strain",
     "cableDamping": "damped in net and absorbers",

@@ -7,8 +7,6 @@
 
 #include <omp.h>
 
-enum { THREADED_FROM = 4000 }; // elements
-
 // How unknowns go on: v += kick f/M and x += step v, gravity in f.
 typedef struct {
     double kick, step, gravity[3];                         // [s], [s], [m/s2]
@@ -197,8 +195,7 @@ static void finish(ancf_model* m, const mover* by, int t, int from, bool late) {
 
 // One of `threads`: a run of tiles each. No sum depends on their number.
 static void pass(ancf_model* m, const mover* by, int thread, int threads) {
-    const int begin = (int)((long)m->n_tiles * thread / threads),
-              end = (int)((long)m->n_tiles * (thread + 1) / threads);
+    const int begin = ancf_share(m->n_tiles, thread, threads), end = ancf_share(m->n_tiles, thread + 1, threads);
     for (int t = begin; t < end; ++t) {
         advance_tile(m, &m->tile[t], *by);
         finish(m, by, t, begin, false);
@@ -232,11 +229,11 @@ void ancf_advance(ancf_model* m, const ancf_time* time) {
     if (!ancf_mass_diagonal(m)) {
         ancf_acceleration(m, m->x, m->v);
         move_whole(m, &by);
-    } else if (m->n_elements < THREADED_FROM) {
+    } else if (m->n_elements < ANCF_THREADED_FROM) {
         pass(m, &by, 0, 1);
     } else {
 #pragma omp parallel
         pass(m, &by, omp_get_thread_num(), omp_get_num_threads());
     }
-    ancf_held_move(m, by.step);
+    ancf_held_move(m, by.kick, by.step);
 }

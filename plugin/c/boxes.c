@@ -3,6 +3,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -259,14 +260,26 @@ int ancf_boxes_set(ancf_boxes* b, const ancf_model* m) {
     return b->n_meetings;
 }
 
-bool ancf_boxes_hold(const ancf_boxes* b, const ancf_model* m) {
-    largest_ways(b->moved, m->x, b->reference, b->lever, m->n_dof, m->stride, m->stride);
-    const double *start = b->moved + m->n_nodes, *end = start + m->n_elements;
-    bool hold = true;
-    for (int e = 0; e < b->n; ++e) {
-        const double *node = b->moved, *room = b->room;
-        hold &= node[m->ends[2 * e]] + start[e] <= room[e] && node[m->ends[2 * e + 1]] + end[e] <= room[e];
+// What one of `threads` does for ancf_boxes_hold.
+static bool part_holds(const ancf_boxes* b, const ancf_model* m, int thread, int threads) {
+    const int first = ancf_share(m->n_dof, thread, threads), last = ancf_share(m->n_dof, thread + 1, threads);
+    largest_ways(b->moved + first, m->x + first, b->reference + first, b->lever + first, last - first, m->stride,
+                 m->stride);
+    if (threads > 1) {
+#pragma omp barrier
     }
+    const double *node = b->moved, *start = node + m->n_nodes, *end = start + m->n_elements, *room = b->room;
+    bool hold = true;
+    for (int e = ancf_share(b->n, thread, threads); e < ancf_share(b->n, thread + 1, threads); ++e)
+        hold &= node[m->ends[2 * e]] + start[e] <= room[e] && node[m->ends[2 * e + 1]] + end[e] <= room[e];
+    return hold;
+}
+
+bool ancf_boxes_hold(const ancf_boxes* b, const ancf_model* m) {
+    if (b->n < ANCF_THREADED_FROM) return part_holds(b, m, 0, 1);
+    bool hold = true;
+#pragma omp parallel reduction(&& : hold)
+    hold = part_holds(b, m, omp_get_thread_num(), omp_get_num_threads());
     return hold;
 }
 

@@ -2,6 +2,7 @@
 // the knots comes from the sparse factor of the mass matrix if there are many, else from what places do to one another;
 // only what is found is given to the table.
 #include "factor.h"
+#include "slide.h"
 #include "table.h"
 
 #include <math.h>
@@ -26,15 +27,20 @@ static int knot_of(const ancf_table* t, const ancf_coupling* c) {
     return p->dof[p->xi > 0.5 ? 2 : 0];
 }
 
+static void push(const ancf_table* t, int place, const double impulse[3]) {
+    for (int e = t->first[place]; e < t->first[place + 1]; ++e)
+        for (int k = 0; k < 3; k++) t->place[t->other[e]].pushed[k] += t->effect[e] * impulse[k];
+}
+
 // Velocities of the knots by impulses on all of them, by what places do to one another.
 static void answer_of_places(vectors v, const ancf_table* t, vectors impulse) {
-    const int n = t->n_couplings;
+    const int n = t->n_couplings, slides = t->slides < 0 ? 0 : t->model->n_slides;
     for (int i = 0; i < n; ++i) memset(t->place[t->coupling[i].place].pushed, 0, sizeof t->place->pushed);
-    for (int i = 0; i < n; ++i) {
-        const int place = t->coupling[i].place;
-        for (int e = t->first[place]; e < t->first[place + 1]; ++e)
-            for (int k = 0; k < 3; k++) t->place[t->other[e]].pushed[k] += t->effect[e] * impulse[i][k];
-    }
+    for (int i = 0; i < slides; ++i) memset(t->place[t->slides + i].pushed, 0, sizeof t->place->pushed);
+    for (int i = 0; i < n; ++i) push(t, t->coupling[i].place, impulse[i]);
+    for (int i = 0; i < slides; ++i) memcpy(t->hold[slides + i], t->place[t->slides + i].pushed, sizeof *t->hold);
+    if (slides > 0) ancf_slides_hold(t->hold, t->model, t->hold + slides);
+    for (int i = 0; i < slides; ++i) push(t, t->slides + i, t->hold[i]);
     for (int i = 0; i < n; ++i) memcpy(v[i], t->place[t->coupling[i].place].pushed, sizeof v[i]);
 }
 

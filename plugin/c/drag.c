@@ -17,6 +17,25 @@ static void across(double tangent[2][3], const double n[3]) {
     ancf_cross(tangent[1], n, tangent[0]);
 }
 
+// What holds nodes that slide against friction of the other contact, to the slip of the one.
+static void add_by_slides(double w[2][2], const ancf_table* t, const ancf_contact* one, const ancf_drag* d,
+                          const ancf_contact* other, const ancf_drag* e) {
+    for (int from = 0; from < 2 && t->slides >= 0; ++from)
+        for (int b = 0; b < 2 && other->side[from].place >= 0; ++b) {
+            double push[3];
+            for (int i = 0; i < 3; i++) push[i] = from ? -e->tangent[b][i] : e->tangent[b][i];
+            if (!ancf_table_hold(t, other->side[from].place, push, e->levers ? e->turn[2 * from][b] : NULL)) continue;
+            for (int to = 0; to < 2; ++to)
+                for (int k = 0; k < t->model->n_slides && one->side[to].place >= 0; ++k) {
+                    const ancf_effects by = ancf_table_effects(t, t->slides + k, one->side[to].place);
+                    for (int a = 0; a < 2; ++a) {
+                        w[a][b] += (to ? -1.0 : 1.0) * by.effect * ancf_dot(d->tangent[a], t->hold[k]);
+                        if (d->levers) w[a][b] += by.bend.to * ancf_dot(d->turn[2 * to][a], t->hold[k]);
+                    }
+                }
+        }
+}
+
 // Slip of one contact by unit impulses on the other, through cables.
 static void add_by_places(double w[2][2], const ancf_table* t, const ancf_contact* one, const ancf_drag* d,
                           const ancf_contact* other, const ancf_drag* e) {
@@ -35,6 +54,7 @@ static void add_by_places(double w[2][2], const ancf_table* t, const ancf_contac
                     if (d->levers && e->levers) w[a][b] += by.bend.both * ancf_dot(there, here);
                 }
         }
+    add_by_slides(w, t, one, d, other, e);
 }
 
 static void add_by_bodies(double w[2][2], const ancf_drag* d, const ancf_drag* e) {
@@ -126,6 +146,22 @@ void ancf_drag_slip(double v[2], const ancf_table* t, const ancf_contact* c, con
     for (int a = 0; a < 2; ++a) v[a] += ancf_dot(d->tangent[a], u);
 }
 
+// Velocities of all places by an impulse at one of them, and a couple on its slope.
+static void push_places(ancf_table* t, int place, const double push[3], const double couple[3]) {
+    for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
+        double* w = t->place[t->other[k]].pushed;
+        for (int i = 0; i < 3; i++) w[i] += t->effect[k] * push[i];
+    }
+    if (!t->slopes) return;
+    for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
+        double* w = t->place[t->other[k]].pushed;
+        for (int i = 0; i < 3; i++) {
+            w[i] += t->bend[k].from * couple[i];
+            w[3 + i] += t->bend[k].to * push[i] + t->bend[k].both * couple[i];
+        }
+    }
+}
+
 void ancf_drag_give(ancf_table* t, const ancf_contact* c, const ancf_drag* d, const double impulse[2]) {
     for (int s = 0; s < 2; ++s) {
         if (d->body[s])
@@ -135,20 +171,12 @@ void ancf_drag_give(ancf_table* t, const ancf_contact* c, const ancf_drag* d, co
         if (place < 0) continue;
         const double sign = s ? -1.0 : 1.0;
         double push[3], couple[3];
-        for (int i = 0; i < 3; i++) push[i] = sign * (impulse[0] * d->tangent[0][i] + impulse[1] * d->tangent[1][i]);
-        for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
-            double* w = t->place[t->other[k]].pushed;
-            for (int i = 0; i < 3; i++) w[i] += t->effect[k] * push[i];
-        }
-        if (!t->slopes) continue;
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; i++) {
+            push[i] = sign * (impulse[0] * d->tangent[0][i] + impulse[1] * d->tangent[1][i]);
             couple[i] = d->levers ? impulse[0] * d->turn[2 * s][0][i] + impulse[1] * d->turn[2 * s][1][i] : 0.0;
-        for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
-            double* w = t->place[t->other[k]].pushed;
-            for (int i = 0; i < 3; i++) {
-                w[i] += t->bend[k].from * couple[i];
-                w[3 + i] += t->bend[k].to * push[i] + t->bend[k].both * couple[i];
-            }
         }
+        push_places(t, place, push, couple);
+        if (!ancf_table_hold(t, place, push, couple)) continue;
+        for (int k = 0; k < t->model->n_slides; ++k) push_places(t, t->slides + k, t->hold[k], (double[3]) {0.0});
     }
 }

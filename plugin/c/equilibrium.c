@@ -4,6 +4,7 @@
 #include "internal.h"
 #include "settle.h"
 #include "slack.h"
+#include "slide.h"
 
 #include <float.h>
 #include <math.h>
@@ -164,12 +165,15 @@ ancf_error ancf_equilibrium(ancf_model* m, double tolerance, int iterations, anc
         const int pairs = rest ? ancf_rest_look(rest, m, rate) : 0;
         if (pairs < 0) return ANCF_E_MEMORY;
         if (pairs > 0) touch(m, rest, near, mass, rate);
+        ancf_slides_project(m, m->f);
         if (ancf_imbalance(m) < tolerance) return ANCF_OK;
         const double* inertia = pairs > 0 ? near : mass;
         if (k > 0) damping = damping_of(&motion, m, inertia, before, rate, pairs > 0 ? fading : 0.0);
         relaxation_step(m, inertia, rate, damping);
         if (pairs > 0) drag_step(m, rest, inertia, rate, damping);
         if (pairs > 0) shorten(m, rate, ancf_rest_leap(rest));
+        ancf_slides_project(m, rate);
+        ancf_slides_place(m);
     }
     return ANCF_E_EQUILIBRIUM;
 }

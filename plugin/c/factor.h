@@ -28,6 +28,9 @@ struct ancf_mass {
     double* load;       // (6 x rows) forces and accelerations of the nodes
 };
 
+// ancf_mass_solve as if nothing slid.
+void ancf_mass_solve_freely(const ancf_model* m, double* acceleration, const double* force);
+
 // rhs = (L L^T)^-1 rhs; not where the matrix is diagonal.
 void ancf_mass_solve_rows(const ancf_mass* mass);
 

@@ -41,7 +41,7 @@ static void slip_of(double v[3], const ancf_table* t, const ancf_contact* c) {
 static void rub(ancf_table* t, const ancf_contact* c, const double impulse[3], double step) {
     if (impulse[0] == 0.0 && impulse[1] == 0.0 && impulse[2] == 0.0) return;
     ancf_table_kick(t, c, impulse, step);
-    if (ancf_lever_has(c)) ancf_lever_kick(t, c, impulse);
+    if (ancf_lever_has(c)) ancf_lever_kick(t, c, impulse, step);
 }
 
 static bool rubs(const ancf_contact* c) { return c->impulse > 0.0 && c->rub.kind != ANCF_FRICTION_NONE; }

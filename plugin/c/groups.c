@@ -110,7 +110,11 @@ static void make_lists(ancf_groups* g, const ancf_table* t) {
         const bool idle = i < t->n_places && t->place[i].idle;
         g->number[i] = idle ? -1 : root == i ? g->n++ : g->number[root];
     }
-    for (int k = 0; k < g->n; ++k) g->group[k].substeps = -1;
+    for (int k = 0; k < g->n; ++k) {
+        g->group[k].substeps = -1;
+        g->group[k].slides = false;
+    }
+    for (int i = 0; i < t->model->n_slides && t->slides >= 0; ++i) g->group[g->number[t->slides + i]].slides = true;
     list(g, ANCF_PLACES, g->number, t->n_places);
     list(g, ANCF_BODIES, g->number + t->n_places, t->n_bodies);
     g->contacts = 0;

@@ -13,6 +13,7 @@ enum { ANCF_CONTACTS, ANCF_PLACES, ANCF_BODIES, ANCF_ITEMS };
 typedef struct {
     int first[ANCF_ITEMS], end[ANCF_ITEMS];
     int substeps; // that its normal forces need
+    bool slides;  // nodes that slide are among its places
 } ancf_contact_group;
 
 typedef struct {

@@ -4,6 +4,7 @@
 #include "ancf/stability.h"
 #include "internal.h"
 #include "massdamp.h"
+#include "slide.h"
 #include "stiffness.h"
 
 #include <math.h>
@@ -203,10 +204,18 @@ static void note_losses(ancf_implicit* s, ancf_model* m, const weights* w) {
 
 // ---------------------------------------------------------------- steps
 
+// What slides goes on along its line: no velocity nor acceleration across it.
+static void keep_on_lines(ancf_model* m, double* a) {
+    ancf_slides_place(m);
+    ancf_slides_project(m, m->v);
+    ancf_slides_project(m, a);
+}
+
 // One of the equal parts of a step.
 static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights* w, double step, int part) {
     const int n = 3 * m->stride;
     const double h = step / s->parts, at = part * h, end = part + 1 == s->parts ? step : at + h;
+    keep_on_lines(m, a);
     copy(s->old_x, m->x, m);
     copy(s->old_v, m->v, m);
     force_now(s, m, s->old_f);
@@ -217,6 +226,7 @@ static bool take_part(ancf_implicit* s, ancf_model* m, double* a, const weights*
     }
     place_held(s, m, step, end, at + w->inertia_new * h);
     if (!solve(s, m, a, w, h) || !ancf_finite(m, m->x) || !ancf_finite(m, m->v)) return false;
+    keep_on_lines(m, a);
     for (int i = 0; i < n; ++i) s->change[i] = m->x[i] - s->old_x[i];
     if (ancf_stiffness_turn(m, s->change) > farthest) return false;
     if (m->track) note_losses(s, m, w);

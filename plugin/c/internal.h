@@ -20,6 +20,11 @@
 #define ANCF_INLINE static inline __attribute__((always_inline))
 #endif
 
+enum { ANCF_THREADED_FROM = 4000 }; // elements; fewer are not worth the waiting of threads for one another
+
+// The first of n that one of `threads` takes; its last is before the first of the next one.
+static inline int ancf_share(int n, int thread, int threads) { return (int)((long)n * thread / threads); }
+
 // Makes room for n items of a size, half as many again at least. False: out of memory, and nothing is lost.
 bool ancf_reserve(void** items, int* room, int n, size_t size);
 
@@ -39,6 +44,9 @@ static inline bool ancf_model_counts(const ancf_model* m, int dof) {
     const int end = dof - m->n_nodes - m->n_elements;
     return end < 0 || m->next[end] < 0;
 }
+
+// Number of the slide that a node goes on, or -1.
+static inline int ancf_slide_of(const ancf_model* m, int node) { return m->n_slides > 0 ? m->slide_of[node] : -1; }
 
 // Largest unbalanced force, but for rounding, over the largest that elements or loads exert, at the state that m->f was
 // found for [-].

@@ -77,10 +77,10 @@ void ancf_lever_couples(double first[3], double second[3], const ancf_table* t, 
     memcpy(second, w[1], sizeof w[1]);
 }
 
-void ancf_lever_kick(ancf_table* t, const ancf_contact* c, const double impulse[3]) {
+void ancf_lever_kick(ancf_table* t, const ancf_contact* c, const double impulse[3], double step) {
     double w[2][3];
     ancf_lever_couples(w[0], w[1], t, c, impulse);
-    for (int s = 0; s < 2; ++s) ancf_table_kick_slope(t, c->side[s].place, w[s]);
+    for (int s = 0; s < 2; ++s) ancf_table_kick_slope(t, c->side[s].place, w[s], step);
 }
 
 void ancf_lever_slip(double v[3], const ancf_table* t, const ancf_contact* c) {
@@ -110,7 +110,7 @@ static void add_left(ancf_table* t, const ancf_contact* c, const double moment[3
 
 // Balances what friction has added to the moment of the normal impulses, but for what couples have balanced. Returns
 // the square of that, *all is the square of the moment.
-static double balance(ancf_table* t, ancf_contact* c, double* all) {
+static double balance(ancf_table* t, ancf_contact* c, double step, double* all) {
     double moment[3], more[3], w[2][3];
     ancf_table_going(more, t, c);
     for (int i = 0; i < 3; i++) more[i] -= c->going[i];
@@ -122,7 +122,7 @@ static double balance(ancf_table* t, ancf_contact* c, double* all) {
     *all = ancf_dot(moment, moment);
     if (!ancf_lever_has(c)) return 0.0;
     couples(w, t, c, more);
-    for (int s = 0; s < 2; ++s) ancf_table_kick_slope(t, c->side[s].place, w[s]);
+    for (int s = 0; s < 2; ++s) ancf_table_kick_slope(t, c->side[s].place, w[s], step);
     return ancf_dot(more, more);
 }
 
@@ -134,7 +134,7 @@ void ancf_lever_balance(ancf_table* t, double step) {
             ancf_contact* c = &t->contact[t->groups.list[ANCF_CONTACTS][k]];
             double all;
             if (!(c->radius[0] > 0.0) || !(c->impulse > 0.0)) continue;
-            change = fmax(change, balance(t, c, &all));
+            change = fmax(change, balance(t, c, step, &all));
             most = fmax(most, all);
         }
     }

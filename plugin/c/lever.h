@@ -14,7 +14,7 @@ void ancf_lever_prepare(const ancf_table* t, ancf_contact* c);
 
 // Gives the couples on both slopes that balance the moment of an impulse on the first side and its opposite on the
 // second, at the start of the step.
-void ancf_lever_kick(ancf_table* t, const ancf_contact* c, const double impulse[3]);
+void ancf_lever_kick(ancf_table* t, const ancf_contact* c, const double impulse[3], double step);
 
 // Adds to the velocity of the first side against the second what their turning makes at where they touch.
 void ancf_lever_slip(double v[3], const ancf_table* t, const ancf_contact* c);

@@ -1,6 +1,6 @@
 #include "factor.h"
 
-#include "internal.h"
+#include "slide.h"
 
 #include <cholmod.h>
 #include <math.h>
@@ -502,10 +502,16 @@ static void solve_condensed(const ancf_model* m, double* acceleration, const dou
     slopes_follow(m, acceleration, force);
 }
 
-void ancf_mass_solve(const ancf_model* m, double* acceleration, const double* force) {
+void ancf_mass_solve_freely(const ancf_model* m, double* acceleration, const double* force) {
     if (m->mass->diagonal) solve_diagonal(m, acceleration, force);
     else if (m->mass->condensed) solve_condensed(m, acceleration, force);
     else if (m->mass->n > 0) solve_consistent(m, acceleration, force);
+}
+
+void ancf_mass_solve(const ancf_model* m, double* acceleration, const double* force) {
+    if (m->n_slides > 0) ancf_slides_give(m, acceleration);
+    ancf_mass_solve_freely(m, acceleration, force);
+    if (m->n_slides > 0) ancf_slides_constrain(m, acceleration);
 }
 
 // Along one axis: the slopes' part of the product, and what each element's ends (n each) add at their nodes.

@@ -1,6 +1,7 @@
 #include "ancf/model.h"
 #include "ancf/mass.h"
 #include "ancf/shape.h"
+#include "slide.h"
 #include "tile.h"
 
 #include <math.h>
@@ -77,6 +78,22 @@ static ancf_error check_loose(const ancf_def* def, int* where) {
     return error;
 }
 
+static bool is_slide(const ancf_def* def, const ancf_slide* s) {
+    const double *d = s->along, *at = s->at, square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    return s->node >= 0 && s->node < def->n_nodes && !(def->hold && def->hold[s->node]) && fabs(square - 1.0) < 1e-12 &&
+           isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]);
+}
+
+static ancf_error check_slides(const ancf_def* def, int* where) {
+    for (int i = 0; i < def->n_slides; ++i) {
+        *where = def->slide[i].node;
+        if (!is_slide(def, &def->slide[i])) return ANCF_E_SLIDE;
+        for (int j = 0; j < i; ++j)
+            if (def->slide[j].node == def->slide[i].node) return ANCF_E_SLIDE;
+    }
+    return ANCF_OK;
+}
+
 static ancf_error check_state(const ancf_def* def, const double* x, const double* v, int* where) {
     const int n = def->n_nodes + 2 * def->n_elements, stride = ancf_stride(def->n_nodes, def->n_elements);
     for (int c = 0; c < 3; ++c)
@@ -94,6 +111,7 @@ ancf_error ancf_model_check(const ancf_def* def, const double* x, const double* 
     if (!error) error = check_next(def, where);
     if (!error) error = check_masses(def, where);
     if (!error) error = check_loose(def, where);
+    if (!error) error = check_slides(def, where);
     return error ? error : check_state(def, x, v, where);
 }
 
@@ -160,6 +178,18 @@ static void list_places(ancf_model* m) {
         if (m->hold[i]) m->is_held[m->n_held++] = i;
 }
 
+static ancf_error copy_slides(ancf_model* m, const ancf_def* def) {
+    if (def->n_slides == 0) return ANCF_OK;
+    m->slide = calloc((size_t)def->n_slides, sizeof *m->slide);
+    m->slide_of = calloc((size_t)m->n_nodes, sizeof *m->slide_of);
+    if (!m->slide || !m->slide_of) return ANCF_E_MEMORY;
+    m->n_slides = def->n_slides;
+    memcpy(m->slide, def->slide, (size_t)m->n_slides * sizeof *m->slide);
+    for (int i = 0; i < m->n_nodes; ++i) m->slide_of[i] = -1;
+    for (int i = 0; i < m->n_slides; ++i) m->slide_of[m->slide[i].node] = i;
+    return ANCF_OK;
+}
+
 // Which element ends meet at a node, in the order of the elements: the order of all sums.
 static void find_ends(ancf_model* m) {
     for (int k = 0; k < 2 * m->n_elements; ++k) m->first[m->ends[k] + 1]++;
@@ -209,6 +239,8 @@ ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x,
         list_places(m);
         find_ends(m);
         error = ancf_mass_create(m, def->mass);
+        if (!error) error = copy_slides(m, def);
+        if (!error) error = ancf_slides_create(m);
     }
     if (!error) {
         weigh(m);
@@ -224,6 +256,7 @@ ancf_error ancf_model_create(ancf_model** model, const ancf_def* def, double* x,
 
 void ancf_model_destroy(ancf_model* m) {
     if (!m) return;
+    ancf_slides_destroy(m);
     ancf_mass_destroy(m->mass);
     free(m->element);
     free(m->ends);

@@ -80,21 +80,38 @@ static void assemble(double* A, int* end, const double* W, double (*R)[3], const
         }
 }
 
-// Solves A x = x by A = U^T U, which takes the place of the upper triangle. All eigenvalues are 1 at least.
+// Takes row k, which is as it will be but for its scale, off row i below it.
+static void take_off(double* restrict A, int* restrict end, double* restrict x, int k, int i, int m) {
+    const double* restrict row = A + k * m, factor = row[i];
+    double* restrict other = A + i * m;
+    if (factor == 0.0) return;
+    for (int j = i; j < end[k]; ++j) other[j] -= factor * row[j];
+    if (end[i] < end[k]) end[i] = end[k];
+    x[i] -= factor * x[k];
+}
+
+// Solves A x = x by A = U^T U, which takes the place of the upper triangle. All eigenvalues are 1 at least. Four rows
+// are taken off those below them in one pass.
 ANCF_CLONES static void solve(double* restrict A, int* restrict end, double* restrict x, int m) {
-    for (int k = 0; k < m; ++k) {
-        double* restrict row = A + k * m;
-        const double inverse = 1.0 / sqrt(row[k]);
-        const int last = end[k];
-        for (int j = k; j < last; ++j) row[j] *= inverse;
-        x[k] /= row[k];
-        for (int i = k + 1; i < last; ++i) {
+    for (int k = 0; k < m; k += 4) {
+        const int behind = k + 4 < m ? k + 4 : m;
+        int last = 0;
+        for (int p = k; p < behind; ++p) {
+            double* restrict row = A + p * m;
+            const double inverse = 1.0 / sqrt(row[p]);
+            for (int j = p; j < end[p]; ++j) row[j] *= inverse;
+            x[p] /= row[p];
+            for (int i = p + 1; i < behind; ++i) take_off(A, end, x, p, i, m);
+            if (last < end[p]) last = end[p];
+        }
+        const double* restrict a = A + k * m, * restrict b = a + m, * restrict c = b + m, * restrict d = c + m;
+        for (int i = behind; i < last; ++i) { // none behind the last four
             double* restrict other = A + i * m;
-            const double factor = row[i];
-            if (factor == 0.0) continue;
-            for (int j = i; j < last; ++j) other[j] -= factor * row[j];
+            const double fa = a[i], fb = b[i], fc = c[i], fd = d[i];
+            if (fa == 0.0 && fb == 0.0 && fc == 0.0 && fd == 0.0) continue;
+            for (int j = i; j < last; ++j) other[j] = other[j] - fa * a[j] - fb * b[j] - fc * c[j] - fd * d[j];
             if (end[i] < last) end[i] = last;
-            x[i] -= factor * x[k];
+            x[i] = x[i] - fa * x[k] - fb * x[k + 1] - fc * x[k + 2] - fd * x[k + 3];
         }
     }
     for (int k = m - 1; k >= 0; --k) {

@@ -216,7 +216,7 @@ static double squeeze(ancf_table* t, const ancf_contact_group* g, double h, doub
 // largest.
 static double press_group(ancf_table* t, const ancf_contact_group* g, double h, double rest) {
     const int *contact = t->groups.list[ANCF_CONTACTS], first = g->first[ANCF_CONTACTS], end = g->end[ANCF_CONTACTS];
-    const bool couples = t->n_couplings > 0;
+    const bool couples = t->n_couplings > 0 || g->slides;
     if (end == first + 1 && !couples) { // alone
         ancf_contact* c = &t->contact[contact[first]];
         press_with(c, ancf_table_opening(t, c) - c->speed, h, c->before);

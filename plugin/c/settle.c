@@ -2,7 +2,7 @@
 #include "ancf/balance.h"
 #include "ancf/elastic.h"
 #include "ancf/stability.h"
-#include "internal.h"
+#include "slide.h"
 #include "stiffness.h"
 
 #include <math.h>
@@ -29,6 +29,13 @@ static double highest_frequency(const ancf_model* m) {
     return w;
 }
 
+// Finds m->f, and by how much it is off.
+static double force_off(ancf_model* m, const double* still) {
+    ancf_total_force(m, m->x, still);
+    ancf_slides_project(m, m->f);
+    return ancf_imbalance(m);
+}
+
 // The part of a change that is not too far to follow: nothing turns or stretches by more than `farthest`, and no node
 // goes farther than all elements are long together, so that what has nothing to hold it does not get lost.
 static double allowed_part(const ancf_model* m, const double* change) {
@@ -47,12 +54,12 @@ static int go(ancf_model* m, const double* change, double* before, const double*
     memcpy(before, m->x, 3 * (size_t)m->stride * sizeof *before);
     for (int k = 0; k < HALVINGS; ++k, part *= 0.5) {
         for (int i = 0; i < 3 * m->stride; ++i) m->x[i] = before[i] + part * change[i];
-        ancf_total_force(m, m->x, still);
-        *left = ancf_imbalance(m);
+        ancf_slides_place(m);
+        *left = force_off(m, still);
         if (potential(m) < energy || *left < 0.5 * force) return k;
     }
     memcpy(m->x, before, 3 * (size_t)m->stride * sizeof *before);
-    ancf_total_force(m, m->x, still);
+    force_off(m, still);
     *left = force;
     return -1;
 }
@@ -63,8 +70,7 @@ static bool find(ancf_model* m, ancf_stiffness* s, double tolerance, ancf_rest* 
     const double w = highest_frequency(m), top = w * w;
     double mu = 1e-4 * top;
     if (rest && !ancf_rest_clear(rest, m, still)) return false;
-    ancf_total_force(m, m->x, still);
-    double left = ancf_imbalance(m);
+    double left = force_off(m, still);
     for (int k = 0; k < ITERATIONS && mu < 1e3 * top; ++k) {
         if (left < tolerance) return true;
         if (!ancf_stiffness_factor(s, m, m->x, still, mu, 0.0, false) &&

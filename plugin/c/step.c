@@ -5,6 +5,7 @@
 #include "held.h"
 #include "internal.h"
 #include "massdamp.h"
+#include "slide.h"
 
 #include <string.h>
 
@@ -64,8 +65,10 @@ void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, con
     if (after != m->free)
         for (int i = 0; i < n; ++i) m->a[i] += (after[i] - m->free[i]) / kick;
     memcpy(m->v, after, field_size(m));
+    ancf_slides_project(m, m->v); // what rounding left
     add_scaled(m->x, m->x, time->step, m->v, n);
     if (shift) add_scaled(m->x, m->x, 1.0, shift, n);
+    ancf_slides_place(m);
 }
 
 void ancf_rk4(ancf_model* m, double step) {
@@ -98,6 +101,8 @@ void ancf_rk4(ancf_model* m, double step) {
         m->v[i] = v0[i] + step * dv[i];
         m->a[i] = dv[i];
     }
+    ancf_slides_project(m, m->v);
+    ancf_slides_place(m);
     m->damping_work -= step * damping;
 }
 
@@ -118,6 +123,7 @@ void ancf_reaction(double force[3], const ancf_model* m, int dof) {
     for (int c = 0; c < 3; ++c) force[c] = -m->f[c * m->stride + dof];
     if (dof < m->n_nodes) {
         for (int k = m->first[dof]; k < m->first[dof + 1]; ++k) add_inertia(force, m, m->at[k] >> 1, dof);
+        ancf_slides_take(force, m, dof);
         return;
     }
     const int twin = ancf_model_twin(m, dof);

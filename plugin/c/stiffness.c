@@ -1,10 +1,15 @@
 #include "stiffness.h"
 #include "ancf/mass.h"
 #include "ancf/tangent.h"
-#include "internal.h"
+#include "slide.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+// A block of the matrix, and the slides of the nodes whose row and column it is in, or -1.
+struct ancf_across {
+    int place, row, column;
+};
 
 // Blocks of an element's unknowns (r0, g0, r1, g1) on and below the diagonal.
 enum { ELEMENT_PAIRS = 10 };
@@ -72,6 +77,26 @@ static void find_places(ancf_stiffness* s, const ancf_model* m) {
         if (s->row[i] >= 0) s->mass[s->ldl->begin[s->row[i]]] += ancf_mass_added(m, i);
 }
 
+static ancf_error find_across(ancf_stiffness* s, const ancf_model* m) {
+    const ancf_ldl* ldl = s->ldl;
+    if (m->n_slides == 0) return ANCF_OK;
+    int* slide_of = calloc((size_t)ldl->n + 1, sizeof *slide_of);
+    s->across = calloc((size_t)ldl->begin[ldl->n], sizeof *s->across);
+    if (!slide_of || !s->across) {
+        free(slide_of);
+        return ANCF_E_MEMORY;
+    }
+    for (int i = 0; i < ldl->n; ++i) slide_of[i] = -1;
+    for (int i = 0; i < m->n_slides; ++i) slide_of[s->row[m->slide[i].node]] = i;
+    for (int j = 0; j < ldl->n; ++j)
+        for (int k = ldl->begin[j]; k < ldl->begin[j + 1]; ++k) {
+            const int row = slide_of[ldl->index[k]], column = slide_of[j];
+            if (row >= 0 || column >= 0) s->across[s->n_across++] = (struct ancf_across) {k, row, column};
+        }
+    free(slide_of);
+    return ANCF_OK;
+}
+
 static ancf_error fill(ancf_stiffness* s, const ancf_model* m, int* pair) {
     const size_t n = (size_t)m->n_elements;
     const int unknowns = number_unknowns(s->row, m);
@@ -85,6 +110,7 @@ static ancf_error fill(ancf_stiffness* s, const ancf_model* m, int* pair) {
     for (int i = 0; i < m->n_dof; ++i)
         if (s->row[i] >= 0) s->row[i] = s->ldl->row[s->row[i]];
     find_places(s, m);
+    if (find_across(s, m)) return ANCF_E_MEMORY;
     for (int i = m->n_nodes; i < m->n_dof; ++i) s->per_size[i] = 1.0;
     for (int k = 0; k < 2 * m->n_elements; ++k)
         s->per_size[m->ends[k]] = fmax(s->per_size[m->ends[k]], m->inv_length[k / 2]);
@@ -116,6 +142,7 @@ void ancf_stiffness_destroy(ancf_stiffness* s) {
     free(s->mass);
     free(s->drag);
     free(s->tangent);
+    free(s->across);
     free(s);
 }
 
@@ -171,6 +198,30 @@ ANCF_CLONES static void add_elements(ancf_stiffness* s, const ancf_model* m) {
     }
 }
 
+// D A, A D or both of a block A, with D = d d^T of a line along d: nothing leads across it, nor from there. A node's
+// own block gets across its line what keeps the matrix regular.
+static void cut(ancf_block A, const double* row, const double* column, bool own) {
+    const double size = own ? fabs(A[0][0]) + fabs(A[1][1]) + fabs(A[2][2]) : 0.0;
+    for (int c = 0; c < 3 && row; ++c) {
+        const double length = row[0] * A[c][0] + row[1] * A[c][1] + row[2] * A[c][2];
+        A[c] = (ancf_column) {length * row[0], length * row[1], length * row[2], 0.0};
+    }
+    if (column) {
+        const ancf_column length = column[0] * A[0] + column[1] * A[1] + column[2] * A[2];
+        for (int c = 0; c < 3; ++c) A[c] = column[c] * length;
+    }
+    for (int c = 0; c < 3 && own; ++c)
+        for (int i = 0; i < 3; ++i) A[c][i] += size * ((i == c ? 1.0 : 0.0) - row[i] * row[c]);
+}
+
+static void cut_across(ancf_stiffness* s, const ancf_model* m) {
+    for (int k = 0; k < s->n_across; ++k) {
+        const struct ancf_across* at = &s->across[k];
+        cut(s->ldl->value[at->place], at->row < 0 ? NULL : m->slide[at->row].along,
+            at->column < 0 ? NULL : m->slide[at->column].along, at->row == at->column);
+    }
+}
+
 bool ancf_stiffness_factor(ancf_stiffness* s, const ancf_model* m, const double* x, const double* v, double mu,
                            double rate, bool definite) {
     ancf_ldl* ldl = s->ldl;
@@ -183,6 +234,7 @@ bool ancf_stiffness_factor(ancf_stiffness* s, const ancf_model* m, const double*
         ldl->value[k][2] = (ancf_column) {0.0, 0.0, mass, 0.0};
     }
     add_elements(s, m);
+    cut_across(s, m);
     return ancf_ldl_factor(ldl);
 }
 
@@ -192,9 +244,16 @@ void ancf_stiffness_solve(ancf_stiffness* s, const ancf_model* m, double* change
         ancf_column* b = &s->ldl->rhs[s->row[i]];
         for (int c = 0; c < 3; ++c) (*b)[c] = force[c * m->stride + i];
     }
+    for (int i = 0; i < m->n_slides; ++i) {
+        const double* d = m->slide[i].along;
+        ancf_column* b = &s->ldl->rhs[s->row[m->slide[i].node]];
+        const double length = d[0] * (*b)[0] + d[1] * (*b)[1] + d[2] * (*b)[2];
+        for (int c = 0; c < 3; ++c) (*b)[c] = length * d[c];
+    }
     ancf_ldl_solve(s->ldl);
     for (int i = 0; i < m->n_dof; ++i)
         for (int c = 0; c < 3; ++c) change[c * m->stride + i] = s->row[i] < 0 ? 0.0 : s->ldl->rhs[s->row[i]][c];
+    ancf_slides_project(m, change);
 }
 
 ANCF_CLONES double ancf_stiffness_size(const ancf_stiffness* s, const ancf_model* m, const double* change) {

@@ -13,6 +13,8 @@ typedef struct ancf_stiffness {
     double* drag;     // (blocks of ldl) of M times each element's mass-proportional damping [kg/s and its like]
     double* per_size; // (n_dof) one over what a change counts by: the shortest element at a node, 1 at a slope [1/m, -]
     double* tangent;  // (n_elements x ANCF_TANGENT)
+    int n_across;     // blocks in the rows and columns of nodes that slide
+    struct ancf_across* across;
 } ancf_stiffness;
 
 ancf_error ancf_stiffness_create(ancf_stiffness** stiffness, const ancf_model* m);
@@ -23,7 +25,7 @@ void ancf_stiffness_destroy(ancf_stiffness* stiffness);
 bool ancf_stiffness_factor(ancf_stiffness* stiffness, const ancf_model* m, const double* x, const double* v, double mu,
                            double rate, bool definite);
 
-// change (3 x stride) = (mu M + K)^-1 force, 0 where held; force joined.
+// change (3 x stride) = (mu M + K)^-1 force, 0 where held, along its line where a node slides; force joined.
 void ancf_stiffness_solve(ancf_stiffness* stiffness, const ancf_model* m, double* change, const double* force);
 
 // The largest of a change, in the sizes above; infinite if it is not finite.

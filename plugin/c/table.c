@@ -4,6 +4,7 @@
 #include "factor.h"
 #include "internal.h"
 #include "lever.h"
+#include "slide.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,6 +21,7 @@ ancf_error ancf_table_create(ancf_table** table, const ancf_model* m) {
         return error;
     }
     for (int i = 0; i < m->n_dof; ++i) t->head[i] = -1;
+    t->slides = -1;
     return ANCF_OK;
 }
 
@@ -40,6 +42,7 @@ void ancf_table_destroy(ancf_table* t) {
     free(t->touched);
     free(t->stiffness);
     free(t->scratch);
+    free(t->hold);
     free(t->slip);
     free(t->push);
     free(t->drag);
@@ -55,6 +58,7 @@ void ancf_table_destroy(ancf_table* t) {
 void ancf_table_clear(ancf_table* t) {
     t->n_places = t->n_bodies = t->n_contacts = t->n_couplings = 0;
     t->slopes = false;
+    t->slides = -1;
     t->passed = 0.0;
 }
 
@@ -213,7 +217,7 @@ static bool any_contact(const ancf_table* t) {
 static ancf_error make_effects(ancf_table* t) {
     int count = 0;
     t->first[0] = 0;
-    t->factored = t->n_couplings > 0 && factor_is_faster(t);
+    t->factored = t->n_couplings > 0 && t->slides < 0 && factor_is_faster(t);
     t->alone = t->factored && !any_contact(t);
     for (int i = 0; i < t->n_places; ++i) {
         const int n = t->place[i].idle || t->alone ? 0 : find_effects(t, i);
@@ -302,7 +306,20 @@ static void start_contact(ancf_table* t, ancf_contact* c) {
     if (ancf_lever_has(c)) ancf_lever_prepare(t, c);
 }
 
+// Places on the nodes that slide: what moves a cable near them, they feel.
+static ancf_error add_slides(ancf_table* t, const ancf_model* m) {
+    const int first = t->n_places;
+    if (m->n_slides == 0 || t->n_contacts + t->n_couplings == 0) return ANCF_OK;
+    if (!ancf_reserve((void**)&t->hold, &t->room_hold, 2 * m->n_slides, sizeof *t->hold)) return ANCF_E_MEMORY;
+    for (int i = 0; i < m->n_slides && t->slides < 0; ++i)
+        if (ancf_table_add_knot(t, m, m->slide[i].node) < 0) return ANCF_E_MEMORY;
+    if (t->slides < 0) t->slides = first;
+    for (int i = 0; i < m->n_slides; ++i) t->place[t->slides + i].idle = false;
+    return ANCF_OK;
+}
+
 ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* velocity) {
+    if (add_slides(t, m)) return ANCF_E_MEMORY;
     if (!make_room(t) || !make_sums(t)) return ANCF_E_MEMORY;
     t->model = m;
     t->guessed = false;
@@ -384,7 +401,24 @@ void ancf_table_speed_up_group(ancf_table* t, const ancf_contact_group* group, d
     for (int i = group->first[ANCF_BODIES]; i < group->end[ANCF_BODIES]; ++i) speed_up_body(&t->body[bodies[i]], time);
 }
 
-void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest) {
+bool ancf_table_hold(const ancf_table* t, int place, const double impulse[3], const double couple[3]) {
+    const int n = t->slides < 0 ? 0 : t->model->n_slides;
+    double(*gained)[3] = t->hold + n;
+    bool any = false;
+    if (n == 0) return false;
+    memset(gained, 0, (size_t)n * sizeof *gained);
+    for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
+        const int slide = t->other[k] - t->slides;
+        if (slide < 0 || slide >= n) continue;
+        any = true;
+        for (int c = 0; c < 3; c++)
+            gained[slide][c] += t->effect[k] * impulse[c] + (couple ? t->bend[k].from * couple[c] : 0.0);
+    }
+    if (any) ancf_slides_hold(t->hold, t->model, gained);
+    return any;
+}
+
+static void kick_freely(ancf_table* t, int place, const double impulse[3], double rest) {
     ancf_place* p = &t->place[place];
     for (int c = 0; c < 3; c++) {
         p->impulse[c] += impulse[c];
@@ -401,7 +435,19 @@ void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], do
     }
 }
 
-void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3]) {
+// Gives the nodes that slide what was found to hold them.
+static void kick_slides(ancf_table* t, double rest) {
+    for (int i = 0; i < t->model->n_slides; ++i)
+        if (t->hold[i][0] != 0.0 || t->hold[i][1] != 0.0 || t->hold[i][2] != 0.0)
+            kick_freely(t, t->slides + i, t->hold[i], rest);
+}
+
+void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest) {
+    kick_freely(t, place, impulse, rest);
+    if (ancf_table_hold(t, place, impulse, NULL)) kick_slides(t, rest);
+}
+
+void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3], double step) {
     for (int c = 0; c < 3; c++) t->place[place].couple[c] += impulse[c];
     for (int k = t->first[place]; k < t->first[place + 1]; ++k) {
         ancf_place* p = &t->place[t->other[k]];
@@ -410,6 +456,7 @@ void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3]) {
             p->bending[c] += t->bend[k].both * impulse[c];
         }
     }
+    if (ancf_table_hold(t, place, (double[3]) {0.0, 0.0, 0.0}, impulse)) kick_slides(t, step);
 }
 
 void ancf_table_kick_body(ancf_table* t, int body, const double arm[3], const double impulse[3], double rest) {
@@ -594,6 +641,7 @@ void ancf_table_apply(ancf_table* t, const ancf_model* m, double step, double* v
 
 void ancf_table_forces(const ancf_table* t, const ancf_model* m, double time, double* force) {
     for (int i = 0; i < t->n_places; ++i) {
+        if (t->slides >= 0 && i >= t->slides && i < t->slides + m->n_slides) continue;
         const ancf_place* p = &t->place[i];
         for (int k = 0; k < 4; ++k) {
             const int dof = p->dof[k], twin = m->hold[dof] ? ancf_model_twin(m, dof) : -1;

@@ -56,7 +56,10 @@ struct ancf_table {
     double* effect;
     ancf_bend* bend; // the same of slopes
     int room_first, room_effect;
-    bool slopes;          // any place takes couples
+    bool slopes;       // any place takes couples
+    int slides;        // place of the model's first node that slides, those of the others behind it; -1: none
+    double (*hold)[3]; // (2 n_slides) impulses across their lines, and scratch
+    int room_hold;
     bool factored, alone; // couplings are so many that the factor answers sooner; and have no contact: no rows are made
 
     // For prepare: places that use an unknown, as lists, and sums by place.
@@ -117,8 +120,12 @@ ancf_error ancf_table_start(ancf_table* t, const ancf_model* m, const double* ve
 
 // Gives an impulse to a place or to a body's point, `rest` before the end of the step.
 void ancf_table_kick_place(ancf_table* t, int place, const double impulse[3], double rest);
-void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3]); // at the start of the step
+void ancf_table_kick_slope(ancf_table* t, int place, const double impulse[3], double step); // at its start
 void ancf_table_kick_body(ancf_table* t, int body, const double arm[3], const double impulse[3], double rest);
+
+// Impulses on the nodes that slide, in t->hold, by which what holds them answers to an impulse and a couple at a place,
+// NULL: no couple. False: none of them feels it.
+bool ancf_table_hold(const ancf_table* t, int place, const double impulse[3], const double couple[3]);
 
 // And to both sides of a contact.
 void ancf_table_kick(ancf_table* t, const ancf_contact* c, const double impulse[3], double rest);

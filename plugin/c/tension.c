@@ -2,6 +2,7 @@
 #include "ancf/mass.h"
 #include "ancf/shape.h"
 #include "gram.h"
+#include "internal.h"
 #include "tile.h"
 
 #include <float.h>
@@ -63,7 +64,8 @@ static void force_in_the_middle(double force[3], const ancf_model* m, int e) {
 // The other element at a node where two of ANCF meet, one going in and one out, and nothing acts; or -1.
 static int beyond(const ancf_model* m, int element, int node) {
     const int *at = m->at + m->first[node], count = m->first[node + 1] - m->first[node];
-    if (count != 2 || (at[0] & 1) == (at[1] & 1) || m->hold[node] || ancf_mass_added(m, node) > 0.0) return -1;
+    if (count != 2 || (at[0] & 1) == (at[1] & 1) || m->hold[node] || ancf_slide_of(m, node) >= 0) return -1;
+    if (ancf_mass_added(m, node) > 0.0) return -1;
     for (int c = 0; c < 3 && !m->unloaded; ++c)
         if (m->external[c * m->stride + node] != 0.0) return -1;
     const int other = (at[0] >> 1) == element ? at[1] >> 1 : at[0] >> 1;

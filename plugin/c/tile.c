@@ -14,7 +14,8 @@ static int end_of(const ancf_model* m, int e) { return m->n_nodes + m->n_element
 static bool follows(const ancf_model* m, int e) {
     const int node = m->ends[2 * e];
     return e > 0 && m->ends[2 * e - 1] == node && m->ends[2 * e - 2] == node - 1 && m->ends[2 * e + 1] == node + 1 &&
-           m->first[node + 1] - m->first[node] == 2 && !m->hold[node] && ancf_mass_added(m, node) == 0.0;
+           m->first[node + 1] - m->first[node] == 2 && !m->hold[node] && ancf_slide_of(m, node) < 0 &&
+           ancf_mass_added(m, node) == 0.0;
 }
 
 // Whether a slope moves with its tile: by itself, or with that of the neighbour to which it belongs.

@@ -40,14 +40,15 @@ void CableEngine::noteEnergy() {
 void CableEngine::trackEnergy() {
     auto& tracker = *scene->energy;
     vector<Real>& open = openAccounts;
-    Real kinetic = kineticAt, lifted = heightAt - open[HEIGHT] + open[LIFTED];
+    Real rest = kineticAt - meanKineticAt, lifted = heightAt - open[HEIGHT] + open[LIFTED];
     for (size_t i = 0; i < carryNodes.size(); ++i) { // what NewtonIntegrator will count of them
         if (carrierOf(carryIds[i]) < 0) continue;
         const State& state = *(*scene->bodies)[carryIds[i]]->state;
-        kinetic -= state.mass / 2 * state.vel.squaredNorm();
+        rest -= state.mass / 2 * state.vel.squaredNorm();
         lifted += scene->dt * state.mass * gravity.dot(state.vel);
     }
-    tracker.add(kinetic, "cableKinetic", kineticIx, true);
+    tracker.add(meanKineticAt, "cableKinetic", kineticIx, true);
+    tracker.add(rest, "cableHalfStep", halfStepIx, true);
     tracker.add(elasticAt, "cableElastic", elasticIx, true);
     tracker.add(lifted, "gravWork", gravityIx, false);
     tracker.add(open[SLOWED] + model->damping_half, "cableDamping", dampingIx, false);
@@ -141,7 +142,7 @@ Vector3r CableEngine::reaction(int node) {
     needForces();
     for (size_t i = 0; i < carryNodes.size(); ++i)
         if (carryNodes[i] == node) return carryReaction[i];
-    if (!has(fixedNodes, node) && !has(followNodes, node))
+    if (!has(fixedNodes, node) && !has(followNodes, node) && !has(slideNodes, node))
         throw std::invalid_argument(text("CableEngine.reaction: node ", node, " is free: nothing holds it"));
     Vector3r force;
     ancf_reaction(force.data(), model.get(), node);
@@ -154,9 +155,12 @@ Real CableEngine::mobilityOfNode(int node) {
     node = tied(node);
     if (!model) build();
     vector<Real> force(position.size(), 0), answer(position.size(), 0);
-    force[node] = 1;
+    const auto line = std::find(slideNodes.begin(), slideNodes.end(), node);
+    const Vector3r along = line == slideNodes.end() ? Vector3r(Vector3r::UnitX())
+                                                    : slideAlong[static_cast<size_t>(line - slideNodes.begin())];
+    setNode(force.data(), getStride(), node, along);
     ancf_mass_solve(model.get(), answer.data(), force.data());
-    return answer[node];
+    return along.dot(nodeOf(answer.data(), getStride(), node));
 }
 
 Vector3r CableEngine::moment(int node) {

@@ -114,8 +114,9 @@ namespace {
         vector<int> hold(static_cast<size_t>(c.nNodes) + 2 * n, ANCF_FREE);
         for (const int node : c.tiedNodes) // another stands for them
             if (node >= 0 && node < c.nNodes) hold[static_cast<size_t>(node)] = ANCF_HELD;
-        const ancf_def def = {c.nNodes, static_cast<int>(n), elements.data(), c.ends.data(), c.next.data(),
-                              nullptr,  hold.data()};
+        const ancf_def def = {
+            c.nNodes, static_cast<int>(n), elements.data(), c.ends.data(), c.next.data(), nullptr, hold.data(), 0,
+            nullptr};
         int where = 0;
         const ancf_error error = ancf_model_check(&def, c.position.data(), c.velocity.data(), &where);
         if (error) all.refuse(faultText(error, def, where, elementText(c, where)));
@@ -180,7 +181,7 @@ namespace {
                            " is neither in ends nor in tiedNodes: must be one of them");
     }
 
-    // A node is one of these at most: fixed, follows a body, carries one, is tied to another node.
+    // A node is one of these at most: fixed, follows a body, slides, carries a body, is tied to another node.
     void checkHolds(const Attributes& all, const CableEngine& c) {
         const int slopes = 2 * static_cast<int>(c.length.size());
         all.within("fixedNodes", c.fixedNodes, 0, c.nNodes, "a node of nNodes");
@@ -203,6 +204,20 @@ namespace {
             if (has(c.clampedEnds, end) || !has(c.followNodes, c.ends[end]))
                 all.refuse("followEnds holds ", end, ": its node ", c.ends[end],
                            " must be in followNodes, and it not in clampedEnds");
+        all.within("slideNodes", c.slideNodes, 0, c.nNodes, "a node of nNodes");
+        all.distinct("slideNodes", c.slideNodes, "one line for each");
+        all.size("slideAlong", c.slideAlong, c.slideNodes.size(), "one for each of slideNodes");
+        all.size("slideAt", c.slideAt, c.slideNodes.size(), "one for each of slideNodes");
+        all.each("slideAlong", c.slideAlong, "a unit vector",
+                 [](const Vector3r& d) { return std::abs(d.squaredNorm() - 1) < 1e-12; });
+        all.finiteEach("slideAt", c.slideAt);
+        for (size_t i = 0; i < c.slideNodes.size(); ++i) {
+            const Vector3r way = nodeOf(c.position.data(), c.getStride(), c.slideNodes[i]) - c.slideAt[i];
+            const Real off = (way - c.slideAlong[i].dot(way) * c.slideAlong[i]).norm();
+            if (!(off <= 1e-9 * (1 + c.slideAt[i].norm())))
+                all.refuse("slideAt[", i, "]: node ", c.slideNodes[i], " of position is ", off,
+                           " m off its line: must be on it");
+        }
         all.size("carryIds", c.carryIds, c.carryNodes.size(), "one for each of carryNodes");
         all.size("carryAt", c.carryAt, c.carryNodes.size(), "one for each of carryNodes");
         all.within("carryNodes", c.carryNodes, 0, c.nNodes, "a node of nNodes");
@@ -217,7 +232,8 @@ namespace {
         vector<const char*> claim(static_cast<size_t>(c.nNodes), nullptr);
         for (const auto& [name, list] :
              {std::pair("tiedNodes", &c.tiedNodes), std::pair("fixedNodes", &c.fixedNodes),
-              std::pair("followNodes", &c.followNodes), std::pair("carryNodes", &c.carryNodes)})
+              std::pair("followNodes", &c.followNodes), std::pair("slideNodes", &c.slideNodes),
+              std::pair("carryNodes", &c.carryNodes)})
             for (const int node : *list) {
                 if (claim[node])
                     all.refuse(name, " holds node ", node, ", which is in ", claim[node], ": one of them at most");
@@ -342,11 +358,16 @@ void CableEngine::setField(vector<Real>& field, const char* name, const vector<R
     checkField(Attributes(text("CableEngine ", family)), *this, name, value);
     if (field.size() == value.size()) std::copy(value.begin(), value.end(), field.begin());
     else field = value;
+    moveLines();
     if (!model) return;
+    theScene().doSort = true;
+    if (!slideNodes.empty()) { // the model has the lines
+        changed();
+        return;
+    }
     touching.disturb();
     watchedStep = 0; // looks at all strains in the next step
     balanced = false;
-    theScene().doSort = true;
 }
 
 } // namespace yade

@@ -108,6 +108,7 @@ void CableEngine::measureEnergy(const ancf_time& time) {
     elasticAt = m->elastic;
     heightAt = ancf_height(m);
     kineticAt = ancf_kinetic_kept(m, last, next);
+    if (scene->trackEnergy) meanKineticAt = ancf_kinetic_kept(m, last, 0);
     for (size_t i = 0; i < carryNodes.size(); ++i) {
         if (carrierOf(carryIds[i]) < 0) continue;
         const Vector3r a = nodeOf(m->a, m->stride, carryNodes[i]);

@@ -2,7 +2,7 @@
 #include "CableDrawing.hpp"
 
 #include "CableEngine.hpp"
-#include "Gl.hpp"
+#include "Tube.hpp"
 
 #include <chrono>
 #include <map>
@@ -15,21 +15,6 @@ Real Gl1_CableElement::fullTension = 0;
 int Gl1_CableElement::parts = 8;
 
 namespace {
-    constexpr int sides = 10;
-
-    struct Station { // of a curve, in the body's frame
-        Vector3r at, along;
-        Vector3r color;
-    };
-
-    // From slack to the largest tension; as in the pictures of ancf.render.
-    Vector3r colorOf(Real part) {
-        static const Vector3r stops[] = {{.16, .32, .50}, {.17, .55, .75}, {.85, .60, .11}, {.84, .19, .12}};
-        const Real x = 3 * std::min(1., std::max(0., part));
-        const int k = std::min(2, static_cast<int>(x));
-        return stops[k] + (x - k) * (stops[k + 1] - stops[k]);
-    }
-
     // Over the elements of an engine, looked at from time to time [N].
     Real largestTension(CableEngine& cables) {
         using Clock = std::chrono::steady_clock;
@@ -58,51 +43,9 @@ namespace {
             const Vector3r behind = cables.point(element, std::max(0., xi - h));
             const Real tension = cables.tension(element, xi);
             curve.push_back({back * (cables.point(element, xi) - frame.pos), (back * (ahead - behind)).normalized(),
-                             colorOf(full > 0 ? tension / full : 0)});
+                             tensionColor(full > 0 ? tension / full : 0)});
         }
         return curve;
-    }
-
-    void vertex(const Gl& gl, const Vector3r& p) {
-        gl.vertex(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]));
-    }
-
-    void color(const Gl& gl, const Vector3r& c) {
-        gl.color(static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]));
-    }
-
-    void drawLine(const Gl& gl, const vector<Station>& curve) {
-        gl.disable(Gl::lighting);
-        gl.lineWidth(2);
-        gl.begin(Gl::lineStrip);
-        for (const Station& s : curve) {
-            color(gl, s.color);
-            vertex(gl, s.at);
-        }
-        gl.end();
-        gl.lineWidth(1);
-        gl.enable(Gl::lighting);
-    }
-
-    void drawTube(const Gl& gl, const vector<Station>& curve, Real radius) {
-        // A direction across the curve, carried along it without twist.
-        vector<Vector3r> across {curve[0].along.unitOrthogonal()};
-        for (size_t i = 1; i < curve.size(); ++i)
-            across.push_back((across[i - 1] - across[i - 1].dot(curve[i].along) * curve[i].along).normalized());
-        for (size_t i = 0; i + 1 < curve.size(); ++i) {
-            gl.begin(Gl::triangleStrip);
-            for (int k = 0; k <= sides; ++k) {
-                const Real angle = 2 * M_PI * k / sides;
-                for (const size_t j : {i + 1, i}) {
-                    const Vector3r out =
-                        std::cos(angle) * across[j] + std::sin(angle) * curve[j].along.cross(across[j]);
-                    color(gl, curve[j].color);
-                    gl.normal(static_cast<float>(out[0]), static_cast<float>(out[1]), static_cast<float>(out[2]));
-                    vertex(gl, curve[j].at + radius * out);
-                }
-            }
-            gl.end();
-        }
     }
 } // namespace
 
@@ -120,9 +63,8 @@ void Gl1_CableElement::go(const shared_ptr<Shape>& shape, const shared_ptr<State
             return; // the engine tells in its own step
         }
     }
-    const Gl& gl = Gl::calls();
-    drawLine(gl, curve);
-    if (!wire) drawTube(gl, curve, element.radius);
+    drawThread(curve);
+    if (!wire) drawTube(curve, element.radius);
 }
 
 } // namespace yade

@@ -6,6 +6,7 @@
 #include <core/Aabb.hpp>
 #include <core/Scene.hpp>
 
+#include <cmath>
 #include <mutex>
 
 namespace yade {
@@ -36,8 +37,13 @@ void Bo1_CableElement_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>
     ancf_box box;
     ancf_boxes_of(&box, view->boxes, view->model, element.element);
     if (!bound) bound = shared_ptr<Bound>(new Aabb);
-    bound->min = Vector3r(box.low[0], box.low[1], box.low[2]);
-    bound->max = Vector3r(box.high[0], box.high[1], box.high[2]);
+    // Those of a flat net differ by rounding only, which would shuffle them at each sorting: n^2 steps. On a grid they
+    // are equal.
+    const Real grid = view->cover[element.element].radius / 3.7;
+    for (int c = 0; c < 3; ++c) {
+        bound->min[c] = grid * std::floor(box.low[c] / grid);
+        bound->max[c] = grid * std::ceil(box.high[c] / grid);
+    }
 }
 
 } // namespace yade

@@ -95,18 +95,20 @@ void CableEngine::forget() {
         vector<Real>().swap(*list);
     vector<string>().swap(record);
     for (vector<int>* list :
-         {&ends,        &next,     &kind,       &elementIds,       &segments,    &points,     &structure,
-          &selfContact, &run,      &fixedNodes, &clampedEnds,      &followNodes, &followEnds, &followIds,
-          &carryNodes,  &carryIds, &loadNodes,  &tiedNodes,        &tiedTo,      &crossPairs, &carrierOfBody,
-          &standsFor,   &driven,   &sections,   &sectionMaterials, &sectionBends})
+         {&ends,        &next,     &kind,       &elementIds,       &segments,     &points,     &structure,
+          &selfContact, &run,      &fixedNodes, &clampedEnds,      &followNodes,  &followEnds, &followIds,
+          &carryNodes,  &carryIds, &loadNodes,  &tiedNodes,        &tiedTo,       &crossPairs, &carrierOfBody,
+          &standsFor,   &driven,   &sections,   &sectionMaterials, &sectionBends, &slideNodes})
         vector<int>().swap(*list);
-    for (vector<Vector3r>* list : {&followAt, &followSlopes, &carryAt, &loads, &carryReaction, &carriedForce})
+    for (vector<Vector3r>* list :
+         {&followAt, &followSlopes, &slideAlong, &slideAt, &carryAt, &loads, &carryReaction, &carriedForce})
         vector<Vector3r>().swap(*list);
     for (auto* list : {&carried, &followed}) vector<Held>().swap(*list);
     vector<Shown>().swap(elementBodies);
     vector<Looked>().swap(lookedAt);
     vector<Worked>().swap(worked);
     vector<Led>().swap(led);
+    vector<Pulls>().swap(pulls);
     forgotten = true;
     nNodes = kickedNodes = kickedElements = 0;
     lastStep = 0;
@@ -184,6 +186,7 @@ void CableEngine::checkHome() const {
 void CableEngine::checkUnclaimed(int node) const {
     const char* claim = has(fixedNodes, node)    ? "fixed"
                         : has(followNodes, node) ? "following a body"
+                        : has(slideNodes, node)  ? "sliding along a line"
                         : has(carryNodes, node)  ? "carrying a body"
                                                  : nullptr;
     if (claim)
@@ -244,7 +247,7 @@ py::tuple CableEngine::add(const py::object& newNodes, const py::object& newSlop
         }
     }
     // The new part alone, to refuse it before it is in.
-    const ancf_def def = {n, e, elements.data(), endsOf.begin(), nextOf.begin(), nullptr, nullptr};
+    const ancf_def def = {n, e, elements.data(), endsOf.begin(), nextOf.begin(), nullptr, nullptr, 0, nullptr};
     const int newStride = ancf_stride(n, e);
     vector<Real> newX(3 * static_cast<size_t>(newStride), 0);
     for (int c = 0; c < 3; ++c) {
@@ -388,6 +391,31 @@ void CableEngine::followSlope(int element, int end) {
     followSlopes.push_back(state.ori.conjugate() *
                            nodeOf(position.data(), getStride(), nNodes + end * nElements() + element));
     changed();
+}
+
+void CableEngine::slide(int node, const Vector3r& direction) {
+    checkNode(node, "slide");
+    checkUnclaimed(node = tied(node));
+    Attributes(text("CableEngine.slide: node ", node))
+        .need(finite(direction) && direction.norm() > 0, "direction", direction, "finite, below 1e100 and not 0");
+    slideNodes.push_back(node);
+    slideAlong.push_back(direction.normalized());
+    slideAt.push_back(nodeOf(position.data(), getStride(), node));
+    changed();
+}
+
+// Lines go where their nodes were put.
+void CableEngine::moveLines() {
+    for (size_t i = 0; i < slideNodes.size(); ++i) slideAt[i] = nodeOf(position.data(), getStride(), slideNodes[i]);
+}
+
+vector<ancf_slide> CableEngine::slides() const {
+    vector<ancf_slide> all;
+    for (size_t i = 0; i < slideNodes.size(); ++i) {
+        const Vector3r &d = slideAlong[i], &at = slideAt[i];
+        all.push_back({slideNodes[i], {d[0], d[1], d[2]}, {at[0], at[1], at[2]}});
+    }
+    return all;
 }
 
 void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
@@ -542,6 +570,12 @@ void CableEngine::release(int node) {
             followNodes.erase(followNodes.begin() + static_cast<long>(i));
             followIds.erase(followIds.begin() + static_cast<long>(i));
             followAt.erase(followAt.begin() + static_cast<long>(i));
+        }
+    for (size_t i = slideNodes.size(); i-- > 0;)
+        if (slideNodes[i] == node) {
+            slideNodes.erase(slideNodes.begin() + static_cast<long>(i));
+            slideAlong.erase(slideAlong.begin() + static_cast<long>(i));
+            slideAt.erase(slideAt.begin() + static_cast<long>(i));
         }
     for (size_t i = loadNodes.size(); i-- > 0;)
         if (loadNodes[i] == node) {

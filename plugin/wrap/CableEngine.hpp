@@ -57,6 +57,7 @@ class CableEngine : public GlobalEngine {
         const Shape* shape;
     };
     mutable vector<Shown> elementBodies; // (elementIds) as they were when they were looked at last
+    mutable size_t nextBody = 0;         // element whose body is looked at next
     uint64_t checkedSurroundings = 0;    // see SceneCheck::print; 0: not yet checked
     vector<Body::id_t> driven;           // by the scene's drives when these were checked
     int sinceChecked = 0;                // steps, for what is looked at from time to time
@@ -72,6 +73,7 @@ class CableEngine : public GlobalEngine {
     int normalKind = 2, frictionKind = 2;
     Real substepLimit = 0;                           // length of automatic sub-steps at most [s]
     Real kineticAt = 0, elasticAt = 0, heightAt = 0; // at the positions that a step starts from [J]
+    Real meanKineticAt = 0; // of elements alone, at the mean of the velocities before and after [J]
     enum { LED = -1, PULLED = -2 };
     struct Worked {       // what something does work on in a step, a node or a slope
         int dof, by;      // number in carryNodes if that is a force on the body there, or LED, or PULLED
@@ -112,7 +114,7 @@ class CableEngine : public GlobalEngine {
     std::shared_ptr<Kept> kept;                             // between begin() and commit() or rollback()
     vector<std::pair<Body::id_t, unsigned>> freedomsBefore; // of bodies carried since begin()
     int lostIx = -1, elasticIx = -1, kineticIx = -1, gravityIx = -1, dampingIx = -1, frictionIx = -1, contactIx = -1,
-        pressIx = -1;
+        pressIx = -1, halfStepIx = -1;
 
     struct Listed { // in the list of all engines
         explicit Listed(CableEngine* engine);
@@ -146,6 +148,8 @@ class CableEngine : public GlobalEngine {
     void checkSlope(const char* what, int element, int end) const;
     void changed();
     void dropModel();
+    void moveLines();
+    vector<ancf_slide> slides() const;
     void moveState(vector<Real>&& x, vector<Real>&& v);
     void makeReady();
     auto parts();
@@ -159,7 +163,7 @@ class CableEngine : public GlobalEngine {
     void checkDriven();
     void checkSurroundings() const;
     void checkStart();
-    void checkBodies() const;
+    void checkBodies(size_t most = std::numeric_limits<size_t>::max()) const;
     void lookAtBodies() const;
     bool heldBodiesChanged();
     bool lookAtHeldBodies();
@@ -250,6 +254,7 @@ public:
     void clamp(int element, int end);
     void follow(int node, Body::id_t id);
     void followSlope(int element, int end);
+    void slide(int node, const Vector3r& direction);
     void carry(int node, Body::id_t id, const Vector3r& at);
     void load(int node, const Vector3r& force);
     void tie(int node, int other);
@@ -332,6 +337,9 @@ public:
         ((vector<Vector3r>, followAt, , Attr::readonly, "Their places in the bodies' frames [m]."))
         ((vector<int>, followEnds, , Attr::readonly, "Slopes that follow the body that their node follows, 2 element + end."))
         ((vector<Vector3r>, followSlopes, , Attr::readonly, "These slopes in the bodies' frames [-]."))
+        ((vector<int>, slideNodes, , Attr::readonly, "Nodes that go along a straight line alone."))
+        ((vector<Vector3r>, slideAlong, , Attr::readonly, "Unit vectors along the lines."))
+        ((vector<Vector3r>, slideAt, , Attr::readonly, "A point of each line [m]."))
         ((vector<int>, carryNodes, , Attr::readonly, "Nodes that carry a body."))
         ((vector<int>, carryIds, , Attr::readonly, "The bodies they carry."))
         ((vector<Vector3r>, carryAt, , Attr::readonly, "Places of the nodes in the bodies' frames [m]."))
@@ -381,10 +389,11 @@ public:
         .def("clamp", &CableEngine::clamp, (py::arg("element"), py::arg("end")), "Holds the slope at an element's start (0) or end (1).")
         .def("follow", &CableEngine::follow, (py::arg("node"), py::arg("id")), "Keeps a node at its place in a body's frame.")
         .def("followSlope", &CableEngine::followSlope, (py::arg("element"), py::arg("end")), "Keeps the slope at an element's start (0) or end (1) as it is in the frame of the body that its node follows.")
+        .def("slide", &CableEngine::slide, (py::arg("node"), py::arg("direction")), "Lets a node go along a straight line alone.")
         .def("carry", &CableEngine::carry, (py::arg("node"), py::arg("id"), py::arg("at")), "Fastens a body's point `at` (in its frame, [m]) to a node.")
         .def("load", &CableEngine::load, (py::arg("node"), py::arg("force")), "Puts a constant force [N] on a node; zero takes it off.")
         .def("tie", &CableEngine::tie, (py::arg("node"), py::arg("other")), "Makes two nodes one, the first.")
-        .def("release", &CableEngine::release, (py::arg("node")), "Frees a node, and the slopes at it, from fix, clamp, follow, followSlope and load.")
+        .def("release", &CableEngine::release, (py::arg("node")), "Frees a node, and the slopes at it, from fix, clamp, follow, followSlope, slide and load.")
         .def("note", &CableEngine::note, (py::arg("number"), py::arg("text")), "Replaces an item of record, or adds one at its end.")
         .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
         .def("elementsAt", &CableEngine::elementsAt, (py::arg("node")), "Elements that meet at a node.")

@@ -97,11 +97,11 @@ void CableEngine::tellNode() const {
             last = node;
             if (first < 0) first = node;
         }
-    const string where = first < 0       ? string("a slope")
-                         : first == last ? text("the position of node ", first)
-                                         : text("positions of nodes ", first, " to ", last);
-    refuse(text("at iteration ", s.iter, " ", where, " are no longer finite: O.dt = ", s.dt,
-                " s was too long, or a velocity that was set is not finite"));
+    const string what = first < 0       ? string("a slope is")
+                        : first == last ? text("the position of node ", first, " is")
+                                        : text("positions of nodes ", first, " to ", last, " are");
+    refuse(text("at iteration ", s.iter, " ", what, " no longer finite: O.dt = ", s.dt,
+                " s was too long, or a force on it or a velocity that was set is not finite"));
 }
 
 } // namespace yade

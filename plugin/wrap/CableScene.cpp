@@ -12,10 +12,11 @@
 namespace yade {
 
 namespace {
-    constexpr int checkInterval = 100;   // steps between two looks at what cables may meet
-    constexpr Real deepestStart = .5;    // overlap in the smaller radius of both; more is refused
-    constexpr Real deepStart = .1;       // more is warned of
-    constexpr Real roundedLength = 1e-9; // part by which an element may be shorter than thick
+    constexpr int checkInterval = 100;      // steps between two looks at what cables may meet
+    constexpr size_t elementsAtOnce = 1000; // whose bodies are looked at in a step
+    constexpr Real deepestStart = .5;       // overlap in the smaller radius of both; more is refused
+    constexpr Real deepStart = .1;          // more is warned of
+    constexpr Real roundedLength = 1e-9;    // part by which an element may be shorter than thick
 } // namespace
 
 // ---------------------------------------------------------------- engines
@@ -123,14 +124,17 @@ namespace {
     }
 } // namespace
 
-// In every step: a body could have been erased, and its number or shape be another's.
-void CableEngine::checkBodies() const {
+// In every step: a body could have been erased, and its number or shape be another's. No more than `most` elements,
+// those of the next step the ones behind them.
+void CableEngine::checkBodies(size_t most) const {
     const Scene& s = theScene();
     const auto size = static_cast<Body::id_t>(s.bodies->size());
     const shared_ptr<Body>* bodies = size > 0 ? &(*s.bodies)[0] : nullptr; // one call, not one each
     const size_t n = elementIds.size();
     bool all = elementBodies.size() == n;
-    for (size_t e = 0; e < n && all; ++e) {
+    for (size_t i = std::min(most, n); i > 0 && all; --i) {
+        if (nextBody >= n) nextBody = 0;
+        const size_t e = nextBody++;
         const Body::id_t id = elementIds[e];
         if (id < 0) continue;
         const Shown& known = elementBodies[e];
@@ -267,7 +271,7 @@ void CableEngine::getReady() {
             heldBodiesChanged();
             check();
         } else {
-            checkBodies();
+            checkBodies(elementsAtOnce);
             if (around) checkSurroundings();
             if (known != static_cast<Body::id_t>(scene->bodies->size())) {
                 CableCheck(*this).partners(known);

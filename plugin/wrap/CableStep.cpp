@@ -50,7 +50,10 @@ void CableEngine::makeModel() {
     for (const int node : tiedNodes) hold[node] = ANCF_HELD; // nothing is fastened to them any more
     for (const auto* held : {&clampedEnds, &followEnds})
         for (const int end : *held) hold[n + (end % 2) * e + end / 2] = ANCF_HELD;
-    const ancf_def def = {nNodes, nElements(), elements.data(), ends.data(), next.data(), mass.data(), hold.data()};
+    const vector<ancf_slide> lines = slides();
+    const ancf_def def = {nNodes,      nElements(), elements.data(), ends.data(),
+                          next.data(), mass.data(), hold.data(),     static_cast<int>(lines.size()),
+                          lines.data()};
     ancf_model* made = nullptr;
     int where = 0;
     const ancf_error error = ancf_model_create(&made, &def, position.data(), velocity.data(), &where);

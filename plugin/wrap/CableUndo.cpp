@@ -10,8 +10,8 @@ auto CableEngine::parts() {
     return std::tie(nNodes, position, velocity, acceleration, ends, next, kind, length, ea, ei, rhoA, kelvinVoigt,
                     massDamping, elementIds, radius, segments, points, structure, selfContact, run, arc, closed,
                     sections, sectionMaterials, sectionBends, sectionYoung, sectionDensity, fixedNodes, clampedEnds,
-                    followNodes, followIds, followAt, followEnds, followSlopes, carryNodes, carryIds, carryAt,
-                    carryReaction, loadNodes, loads, tiedNodes, tiedTo, lastStep);
+                    followNodes, followIds, followAt, followEnds, followSlopes, slideNodes, slideAlong, slideAt,
+                    carryNodes, carryIds, carryAt, carryReaction, loadNodes, loads, tiedNodes, tiedTo, lastStep);
 }
 
 namespace {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "FrictionRule.hpp"
 
-#include "numbers.hpp"
-#include "text.hpp"
-
+#include "Attributes.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>

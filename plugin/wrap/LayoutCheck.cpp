@@ -326,6 +326,7 @@ namespace {
         addPointer(f, "interactions", &Scene::interactions, "_ZTVN4yade20InteractionContainerE");
         addPointer(f, "energy", &Scene::energy, "_ZTVN4yade13EnergyTrackerE");
         addAttribute(f, "OpenGLRenderer", "dispScale", &OpenGLRenderer::dispScale, v); // behind the tables
+        addAttribute(f, "GlExtraDrawer", "dead", &GlExtraDrawer::dead, true);
         addPointer(f, "cell", &Scene::cell, "_ZTVN4yade4CellE");
     }
 
@@ -344,6 +345,7 @@ namespace {
         addVtable(f, "IGeomFunctor", 296);
         addVtable(f, "BoundFunctor", 280);
         addVtable(f, "GlShapeFunctor", 296);
+        addVtable(f, "GlExtraDrawer", 120);
 
         addSlot(f, "Engine", "isActivated", &Engine::isActivated, "_ZN4yade6Engine11isActivatedEv");
         addSlot(f, "Engine", "action", &Engine::action, "_ZN4yade6Engine6actionEv");

@@ -101,8 +101,14 @@ void LineEngine::checkLists() const {
     all.need(finite(drawn), "drawn", drawn, "finite [J]");
 }
 
+void LineEngine::needSound() {
+    if (!sound) checkLists();
+    sound = true;
+}
+
 void LineEngine::postLoad(LineEngine&) {
-    if (!numbers.empty()) checkLists();
+    sound = false;
+    if (!numbers.empty()) needSound();
 }
 
 // What moves its places comes after it, and nothing in between forgets what it pulls at bodies.
@@ -170,14 +176,17 @@ void LineEngine::takeState() {
 
 void LineEngine::findPlaces() {
     const size_t n = numbers.size();
+    owner.resize(n);
     at.resize(n);
     for (size_t i = 0; i < n; ++i) {
         Vector3r place;
         if (families[i] < 0) {
+            owner[i] = nullptr;
             const State& state = *bodyAt(i).state;
             place = state.pos + state.ori * offsets[i];
         } else {
-            place = cable(i).placeOfNode(numbers[i]);
+            owner[i] = i > 0 && families[i - 1] == families[i] ? owner[i - 1] : &cable(i);
+            place = owner[i]->placeOfNode(numbers[i]);
         }
         if (!finite(place)) refuse(placeText(i) + " is at no finite position: look at what acts there");
         at[i] = {place[0], place[1], place[2]};
@@ -224,10 +233,10 @@ void LineEngine::pullBodies() {
 }
 
 void LineEngine::pullCables() {
-    std::map<int, vector<std::pair<int, Vector3r>>> forces;
+    std::map<CableEngine*, vector<std::pair<int, Vector3r>>> forces;
     for (size_t i = 0; i < numbers.size(); ++i)
-        if (families[i] >= 0) forces[families[i]].emplace_back(cable(i).tied(numbers[i]), pullAt(i));
-    for (auto& [family, list] : forces) CableEngine::of(*scene, family)->pull(this, scene->iter, std::move(list));
+        if (owner[i]) forces[owner[i]].emplace_back(owner[i]->tied(numbers[i]), pullAt(i));
+    for (auto& [cables, list] : forces) cables->pull(this, scene->iter, std::move(list));
 }
 
 void LineEngine::noteEnergy() {
@@ -245,7 +254,7 @@ bool LineEngine::lookDue() const {
 void LineEngine::action() {
     const StepGuard guard;
     throwLate(*scene);
-    checkLists();
+    needSound();
     if (!(finite(scene->dt) && scene->dt > 0)) refuse(text("O.dt = ", scene->dt, " s: must be finite and above 0"));
     const bool look = lookDue();
     if (look) checkPlaces();
@@ -286,8 +295,8 @@ vector<Real> LineEngine::inverseMasses() const {
         for (size_t i = 0; i < line->numbers.size(); ++i) ++visits[moved(*line, i)];
     }
     for (size_t i = 0; i < n; ++i) {
-        if (families[i] >= 0) {
-            inverse[i] = cable(i).mobilityOfNode(numbers[i]);
+        if (owner[i]) {
+            inverse[i] = owner[i]->mobilityOfNode(numbers[i]);
         } else {
             const Body& body = movedBody(theScene(), bodyAt(i));
             const Mobility m = mobility(theScene(), body);
@@ -305,21 +314,22 @@ class LineEngine::Handed {
 
 public:
     Handed(LineEngine& one, const py::object& engines) : line(one) {
+        vector<CableEngine*> others;
+        vector<const LineEngine*> lines;
         for (py::ssize_t i = 0; i < py::len(engines); ++i) {
             const py::extract<shared_ptr<CableEngine>> cables(engines[i]);
             const py::extract<shared_ptr<LineEngine>> other(engines[i]);
-            if (!cables.check() && !other.check()) {
-                forget();
+            if (!cables.check() && !other.check())
                 throw std::invalid_argument(text("LineEngine: engines[", i, "] must be a CableEngine or a LineEngine"));
-            }
-            if (cables.check()) line.others.push_back(cables().get());
-            else line.otherLines.push_back(other().get());
+            if (cables.check()) others.push_back(cables().get());
+            else lines.push_back(other().get());
         }
+        line.others.swap(others);
+        line.otherLines.swap(lines);
     }
     Handed(const Handed&) = delete;
     Handed& operator=(const Handed&) = delete;
-    ~Handed() { forget(); }
-    void forget() {
+    ~Handed() {
         line.others.clear();
         line.otherLines.clear();
     }
@@ -345,7 +355,7 @@ void LineEngine::checkStep() {
     const Real dt = scene->dt;
     const Real own = 2 / std::sqrt(ancf_line_frequency2(model.get(), inverseMasses().data(), 1));
     Real limit = own;
-    for (const int family : families) {
+    for (const int family : std::set<int>(families.begin(), families.end())) {
         if (family < 0) continue;
         const Real cables = CableEngine::of(*scene, family)->criticalTimeStep();
         if (dt <= cables * (1 + 1e-7)) limit = std::min(limit, 1 / std::hypot(1 / own, safety / cables));

@@ -24,9 +24,11 @@ class LineEngine : public GlobalEngine {
     };
     std::unique_ptr<ancf_line, LineDeleter> model;
     Schedules speeds;
+    vector<CableEngine*> owner;     // (places) whose node it is, NULL for a body, since places were looked for last
     vector<std::array<Real, 3>> at; // (places) where they are [m]
     vector<CableEngine*> others;    // that are not in O.engines yet, while one asks
     vector<const LineEngine*> otherLines;
+    bool sound = false;    // attributes are those that checkLists() let pass
     long checkedIter = -1; // of the last look at the step
     Real checkedStep = 0;  // that was found short enough then [s]
     int elasticIx = -1, frictionIx = -1, workIx = -1;
@@ -37,6 +39,7 @@ class LineEngine : public GlobalEngine {
     CableEngine& cable(size_t i) const;
     const Body& bodyAt(size_t i) const;
     void checkLists() const;
+    void needSound();
     void checkOrder() const;
     void checkPlaces() const;
     bool lookDue() const;

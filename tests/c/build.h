@@ -14,8 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { BUILD_SLIDES = 4 };
+
 typedef struct {
     ancf_def def;
+    ancf_slide slide[BUILD_SLIDES];
     ancf_element* element;
     int *ends, *next, *hold;
     double *mass, *x, *v;
@@ -86,6 +89,17 @@ static inline built build_net(int meshes, ancf_element all) {
     return b;
 }
 
+// Lets a node slide along a direction of any length, from where it is now.
+static inline void build_slide(built* b, int node, const double direction[3]) {
+    ancf_slide* s = &b->slide[b->def.n_slides++];
+    const double *d = direction, length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    s->node = node;
+    for (int c = 0; c < 3; ++c) {
+        s->along[c] = d[c] / length;
+        s->at[c] = b->x[c * b->stride + node];
+    }
+}
+
 static inline void build_finish(built* b) {
     int where = -1;
     b->def.element = b->element;
@@ -93,6 +107,7 @@ static inline void build_finish(built* b) {
     b->def.next = b->next;
     b->def.mass = b->mass;
     b->def.hold = b->hold;
+    b->def.slide = b->slide;
     const ancf_error error = ancf_model_create(&b->m, &b->def, b->x, b->v, &where);
     if (error) fail_msg("%s (at %d)", ancf_error_text(error), where);
 }

@@ -72,6 +72,8 @@ static built case_of(int k, uint64_t* seed) {
         b.element[e / 2].ea *= 1.5;
         b.mass[n / 3] = 0.02;
         b.hold[0] = b.hold[n / 2] = ANCF_HELD;
+        build_slide(&b, n / 2 - 1, (const double[3]) {1.0, 2.0, -0.5});
+        build_slide(&b, n - 2, (const double[3]) {0.0, -1.0, 3.0});
         if (!(kind & ANCF_SPRING)) b.hold[n] = b.hold[n + e / 4] = b.hold[n + e + e / 3] = ANCF_HELD;
     }
     build_finish(&b);

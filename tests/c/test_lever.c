@@ -101,7 +101,7 @@ static void slip_is_conjugate_to_couples(void** state) {
         random_vector(P, &seed, 1.0);
         ancf_lever_slip(v, s.t, c);
         for (int i = 0; i < 2; ++i) memcpy(before[i], s.t->place[c->side[i].place].bending, sizeof before[i]);
-        ancf_lever_kick(s.t, c, P);
+        ancf_lever_kick(s.t, c, P, 1e-4);
         for (int i = 0; i < 2; ++i) work += dot(s.t->place[c->side[i].place].couple, before[i]);
         assert_near(dot(P, v), work, 1e-12 * norm(P) * norm(v));
         crossing_free(&s);
@@ -128,7 +128,7 @@ static void drag_is_what_kicks_do(void** state) {
             ancf_table_slip(before, s.t, c);
             ancf_lever_slip(before, s.t, c);
             ancf_table_kick(s.t, c, d->tangent[k], 0.0);
-            ancf_lever_kick(s.t, c, d->tangent[k]);
+            ancf_lever_kick(s.t, c, d->tangent[k], 1e-4);
             ancf_table_slip(after, s.t, c);
             ancf_lever_slip(after, s.t, c);
             ancf_drag_slip(old, s.t, c, d);

@@ -97,7 +97,6 @@ static void capstan(void** state) {
     for (int i = 0; i < 2000; ++i) { // the last place is pulled away along its span
         for (int c = 0; c < 3; ++c) s.x[n][c] += 0.001 * s.line->along[n - 1][c];
         ancf_line_step(s.line, (const double(*)[3])s.x, 1.0);
-        assert_near(ancf_line_energy(s.line) >= 0.0, 1, 0);
     }
     double last = 0.0; // the angle at the last ring changes with the pull
     for (int c = 0; c < 3; ++c) last += s.line->along[n - 2][c] * s.line->along[n - 1][c];
@@ -357,7 +356,7 @@ static void whatever_happens(void** state) {
             const ancf_line* l = s.line;
             passed += l->flow[0] - l->flow[n];
             assert_close(ancf_line_length(l), passed, 1e-11);
-            assert_near(l->rubbed >= rubbed - 1e-7 * scale, 1, 0);
+            assert_true(l->rubbed >= rubbed - 1e-7 * scale);
             rubbed = fmax(rubbed, l->rubbed);
             scale = fmax(scale, fabs(l->drawn) + ancf_line_energy(l) + rubbed);
             for (int i = 1; i < n; ++i) {
@@ -368,14 +367,13 @@ static void whatever_happens(void** state) {
                     dot += l->along[i - 1][c] * l->along[i][c];
                 }
                 const double most = exp(l->friction[i] * acos(fmax(-1.0, fmin(1.0, dot / sqrt(p * q)))));
-                if (l->unsettled) continue;
-                assert_near(l->tension[i] <= l->tension[i - 1] * most * (1 + 1e-9), 1, 0);
-                assert_near(l->tension[i - 1] <= l->tension[i] * most * (1 + 1e-9), 1, 0);
+                assert_true(l->tension[i] <= l->tension[i - 1] * most * (1 + 1e-9));
+                assert_true(l->tension[i - 1] <= l->tension[i] * most * (1 + 1e-9));
             }
             for (int k = 0; k < 2; ++k) {
                 const double tension = l->tension[k ? n - 1 : 0], out = k ? -l->flow[n] : l->flow[0];
-                assert_near(tension <= l->winch[k].brake * (1 + 1e-9), 1, 0);
-                if (out < 0.0) assert_near(tension <= l->winch[k].force * (1 + 1e-9), 1, 0);
+                assert_true(tension <= l->winch[k].brake * (1 + 1e-9));
+                if (out < 0.0) assert_true(tension <= l->winch[k].force * (1 + 1e-9));
             }
             for (int i = 0; i < n; ++i) {
                 const double strain = l->way[i] / l->length[i] - 1.0;
@@ -446,8 +444,8 @@ static void frequencies(void** state) {
         for (int rough = 0; rough < 2; ++rough) {
             for (int i = 1; i < n; ++i) s.line->friction[i] = rough ? 5.0 : 0.0;
             const double bound = ancf_line_frequency2(s.line, inverse, 1.0), true_one = largest(&s, n);
-            assert_near(bound >= true_one * (1 - 1e-4), 1, 0);
-            assert_near(bound <= 6.0 * true_one, 1, 0);
+            assert_true(bound >= true_one * (1 - 1e-4));
+            assert_true(bound <= 6.0 * true_one);
         }
         ancf_line_destroy(s.line);
     }

@@ -135,6 +135,7 @@ def test_functors_refuse_bad_rules(scene):
             functor.frictionRule = "sum"
         with pytest.raises(ValueError, match="frictionPairs holds -1: must be ids of materials"):
             functor.setFriction(-1, 0, 0.1, 0.1)
-        with pytest.raises(ValueError, match="pairFriction holds nan"):
-            functor.setFriction(0, 1, 0.1, float("nan"))
+        for bad in (float("nan"), float("inf"), 1e200, -0.1):
+            with pytest.raises(ValueError, match=f"pairFriction holds {bad:g}".replace("+", "[+]")):
+                functor.setFriction(0, 1, 0.1, bad)
         assert list(functor.frictionPairs) == []

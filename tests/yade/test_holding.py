@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from helpers import array, material, steps
+from helpers import array, material, plane, steps
 
 import ancf
+from ancf import pulleys
 from yade import O, Quaternion, Vector3, utils
 
 YOUNG, DIAMETER = 1e9, 2e-2
@@ -222,6 +223,63 @@ def test_what_cannot_lead_a_clamp_is_refused(stiff):
     b.clamp(0, hub())
     with pytest.raises(ValueError, match="knot 0 is clamped to body .* and cannot be fixed"):
         b.fix(0)
+
+
+# ---- contact with the body that leads it -----------------------------------------------------------
+
+
+def excluding(cable):
+    return [i for i, b in enumerate(cable.bodies) if O.bodies[b].shape.exclude]
+
+
+@pytest.mark.parametrize("body", ["sphere", "sheave"])
+def test_winds_on_the_drum_that_it_is_clamped_to(stiff, body):
+    """In a turn as much of it goes on as the drum's surface goes, in contact all along."""
+    radius, thick = 0.03, 4e-3
+    material("rope", young=1e8, density=1000, staticFriction=0.3, kineticFriction=0.3)
+    if body == "sheave":
+        drum = pulleys.sheave((0, 0, 0), radius, width=0.08, axis=(0, 1, 0), material="rope")
+    else:
+        drum = O.bodies.append(utils.sphere((0, 0, 0), radius, material="rope", fixed=True))
+        O.bodies[drum].state.blockedDOFs = "xyzXYZ"
+    way = radius + thick / 2
+    given = dict(diameter=thick, material="rope", bending=1e-4, damping=1e-4, mass="lumped")
+    rope = ancf.Cable([(0, 0, way), (0.3, 0, way)], 24, contactPoints=2, **given)
+    rope.clamp(0, drum)
+    rope.load(1, (10, 0, 0))
+    O.engines = pulleys.engines(rope)
+    O.dt = 0.7 * rope.criticalTimeStep()
+    assert excluding(rope) == [0]
+    turned, angle = 0.0, 2 * math.pi
+    while turned < angle:
+        O.bodies[drum].state.angVel = Vector3(0, -60 * min(1, O.time / 0.02), 0)
+        turned -= O.dt * O.bodies[drum].state.angVel[1]
+        O.step()
+    assert turned == pytest.approx(angle, rel=1e-2)
+    off = np.linalg.norm(rope.curve(8)[:, ::2], axis=1) - way
+    assert off.min() > -0.05 * thick
+    assert (off < 0.1 * thick).mean() * rope.length == pytest.approx(angle * way, abs=0.02)
+    assert rope.engine.contacts > 20
+
+
+def test_lies_on_the_table_that_it_is_clamped_to(stiff):
+    """Laid into it by a hair, as it comes to lie there: it does not fall through."""
+    table = plane((0.2, 0, -0.05), (0.4, 0.2, 0.05), material="stiff")
+    height = DIAMETER / 2 - 1e-5
+    b = beam([(0, 0, height), (0.4, 0, height)], 10, contactPoints=3, massDamping=20)
+    b.clamp(0, table)
+    O.engines = ancf.engines(b, gravity=(0, 0, -9.81))
+    assert excluding(b) == [0]
+    steps(round(0.05 / O.dt))
+    assert np.abs(b.curve(4)[:, 2] - DIAMETER / 2).max() < 5e-5
+
+
+def test_what_sticks_out_of_a_body_never_touches_it(stiff):
+    hollow = O.bodies.append(utils.sphere((0, 0, 0), 0.1, material="stiff", fixed=True))
+    b = beam([(0, 0, 0), (0.4, 0, 0)], 10, contactPoints=3)
+    b.clamp(0, hollow)
+    O.engines = ancf.engines(b)
+    assert excluding(b) == [0, 1, 2]  # of 40 mm; 110 mm are inside
 
 
 # ---- sums and largest ------------------------------------------------------------------------------

@@ -99,6 +99,37 @@ def test_they_act(made):
     assert [s.name for s in ancf.structures()] == ["Net", "tow", "tail", "more"]
 
 
+def test_names_and_places_are_kept(scene, tmp_path):
+    """Labels of cables, nets and lines, and what a line runs through: knots, also tied ones, and points of
+    bodies."""
+    material("cable", young=1e9, density=1000)
+    given = dict(diameter=2e-3, material="cable")
+    mesh = ancf.Net.square(2, 0.1, label="mesh", **given)
+    rope = ancf.Cable([mesh.knots[2], mesh.knots[2] + [0.5, 0, 0]], label="rope", **given)
+    rope.tie(0, mesh, 2)
+    box = plane((0, 0, 1), (0.05, 0.05, 0.05), material="cable")
+    O.engines = ancf.engines(mesh, rope)
+    through = [(mesh, 0), (mesh, 4), (rope, 1), (box, (0.01, 0, -0.05))]
+    ancf.Line(through, diameter=1e-3, material="cable", label="pull").append()
+    save = str(tmp_path / "scene.xml")
+    O.save(save)
+    for loaded in (False, True):
+        if loaded:
+            O.load(save)
+        net, cable = ancf.structures()
+        assert (type(net), net.name) == (ancf.Net, "mesh")
+        assert (type(cable), cable.name) == (ancf.Cable, "rope")
+        (line,) = ancf.lines()
+        assert line.name == "pull" and line.diameter == 1e-3
+        assert [getattr(what, "name", what) for what, _ in line.places] == [
+            "mesh",
+            "mesh",
+            "rope",
+            box,
+        ]
+        assert [at for _, at in line.places] == [0, 4, 1, (0.01, 0, -0.05)]
+
+
 def test_damaged_record_is_told(made):
     engine = made[0].engine
     engine.note(1, "{")

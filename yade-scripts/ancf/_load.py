@@ -97,6 +97,17 @@ def _refreshDispatchers(engines):
                 dispatcher.functors = dispatcher.functors
 
 
+def showLines():
+    """Lets YADE's 3D view, if there is one, draw lines, which are no bodies."""
+    from yade import wrapper
+
+    if "yade.qt" not in sys.modules:
+        return
+    view = sys.modules["yade.qt"].Renderer()
+    if not any(isinstance(one, wrapper.GlExtra_Lines) for one in view.extraDrawers):
+        view.extraDrawers = [*view.extraDrawers, wrapper.GlExtra_Lines()]
+
+
 def _load():
     _checkPython()
     yade = _importYade()
@@ -110,6 +121,7 @@ def _load():
     _refreshDispatchers(omega.engines)
     if "yade.qt" in sys.modules:  # as `yade` without -n
         _ancf._refreshView(sys.modules["yade.qt"].Renderer())
+        showLines()
     return {name: getattr(wrapper, name) for name in _ancf.classNames}
 
 

@@ -83,7 +83,9 @@ class Momentum:
     def _othersToo(self):
         """Whether the cables exchange momentum with something else than what they touch."""
         engine = self.engine
-        if engine.fixedNodes or engine.followNodes or engine.loadNodes or any(engine.massDamping):
+        if engine.fixedNodes or engine.followNodes or engine.slideNodes or engine.loadNodes:
+            return True
+        if any(engine.massDamping):
             return True
         return any({engine.family} < set(line.families) for line in lineEngines())
 

@@ -7,6 +7,8 @@ import numpy as np
 from yade import O, Vector3, wrapper
 
 from . import values
+from ._load import showLines
+from .record import structures
 from .stretch import oneOf
 from .structure import Structure, cableEngines, findBody, findMaterial
 
@@ -127,6 +129,7 @@ class Line:
         first = next((i for i, e in enumerate(engines) if isinstance(e, movers)), None)
         if first is not None:
             O.engines = engines[:first] + [engine] + engines[first:]
+        showLines()
         return self
 
     def _resolved(self, i):
@@ -357,14 +360,32 @@ class _Path:
 
 def lines():
     """The Line objects of the scene, made anew at each call, also after O.load."""
-    return [_recalled(e) for e in lineEngines()]
+    showLines()
+    engines = lineEngines()
+    knots = _knots() if engines else {}
+    return [_recalled(e, knots) for e in engines]
 
 
-def _recalled(engine):
+def _knots():
+    """(family, node of the engine) -> (cable or net, knot); of knots that are tied, the first."""
+    found = {}
+    for one in structures():
+        for knot in range(one._layout.knots):
+            found.setdefault((one._family, one._node(knot)), (one, knot))
+    return found
+
+
+def _recalled(engine, knots):
     line = object.__new__(Line)
     line.name, line.diameter = engine.name, engine.diameter
     line._number, line._engine = engine.line, engine
-    line.places = list(zip(engine.families, engine.numbers))
+    cables = {e.family: e for e in cableEngines()}
+    line.places = []
+    for family, number, offset in zip(engine.families, engine.numbers, engine.offsets):
+        if family < 0:
+            line.places.append((number, tuple(offset)))
+        else:
+            line.places.append(knots[family, cables[family].tied(number)])
     return line
 
 

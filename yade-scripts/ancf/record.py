@@ -11,7 +11,7 @@ from yade import O
 
 from .cables import Cable
 from .nets import Net
-from .structure import Section, Structure, cableEngines, chained
+from .structure import Section, Structure, cableEngines, chained, slidingClaim
 
 KINDS = {"Cable": Cable, "Net": Net}
 
@@ -84,6 +84,8 @@ def _claim(engine, structures):
         holds.append((node, f"{'clamped to' if node in turned else 'following'} body {body}"))
     holds += [(n, f"carrying body {b}") for n, b in zip(engine.carryNodes, engine.carryIds)]
     clamped = {ends[end] for end in engine.clampedEnds}
+    for node, direction in zip(engine.slideNodes, engine.slideAlong):
+        holds.append((node, slidingClaim(direction, node in clamped)))
     for node, what in holds:
         for held in {node, *standing.get(node, [])} & knots.keys():
             one, knot = knots[held]

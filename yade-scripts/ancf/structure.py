@@ -24,6 +24,7 @@ SEGMENTS_MOST = 64  # of an element
 SMALLEST, LARGEST = 1e-30, 1e30  # of ea [N], rhoA [kg/m] and, from 0, ei [N m2]
 DAMPING_MOST = 1e6  # [s], and of massDamping [1/s]
 ITERATIONS_MOST = 2**31 - 1  # of relax: an int of the engine's
+TOUCHING = 0.1  # depth over the thinner radius up to which cables touch: check() warns of more
 
 
 @dataclass
@@ -666,6 +667,31 @@ class Structure:
             lambda knot, bodyId: self.engine.follow(self._node(knot), bodyId),
         )
 
+    def slide(self, knot, direction, clamped=False):
+        """Lets a knot go along a straight line alone, which goes through it and stands still: a
+        slider without mass and friction.
+
+        direction: (3), of any length but 0. clamped: the slopes of the cables at the knot stay as
+        they are, so that it slides without turning; ValueError for springs, which have none.
+        """
+        knot = self.knot(knot)
+        where = f"{self.name}.slide({knot})"
+        direction = Vector3(*values.direction(f"{where}: direction", direction))
+        if values.flag(f"{where}: clamped", clamped) and self.section.spring:
+            raise ValueError(f"{where}: springs have no slopes; use clamped=False or model='ancf'")
+        claim = slidingClaim(direction, clamped)
+        if self._claims.get(knot) == claim:
+            return
+        self._mayClaim(knot, claim)
+        self._when(lambda: self._slideNow(knot, direction, clamped))
+        self._claims[knot] = claim
+
+    def _slideNow(self, knot, direction, clamped):
+        self.engine.slide(self._node(knot), direction)
+        for element, end in self._endsAt(knot):
+            if clamped:
+                self.engine.clamp(element, end)
+
     def _lead(self, knot, bodyId, where, what, now):
         """Lets a body lead a knot: now(knot, bodyId) tells the engine."""
         knot = self.knot(knot)
@@ -712,7 +738,7 @@ class Structure:
         self._when(lambda: self.engine.load(self._node(knot), force))
 
     def release(self, knot):
-        """Lets a fixed, clamped or led knot go, and takes its load away."""
+        """Lets a fixed, clamped, led or sliding knot go, and takes its load away."""
         knot = self.knot(knot)
         held = self._claims.get(knot, "")
         if held.startswith(("carrying", "tied")):
@@ -765,7 +791,7 @@ class Structure:
 
     def _attach(self, knot, bodyId):
         """The elements that meet at a knot, and those that reach into the body now, never touch the
-        body that it carries or follows.
+        body that it carries or follows. The others do: what lies on it, or winds on it later.
         """
         if not self.bodies:
             return
@@ -780,17 +806,19 @@ class Structure:
                 shape.exclude = list(shape.exclude) + [member]
 
     def _reaching(self, body, state):
-        """Numbers of the elements that reach into a sphere or box now."""
+        """Numbers of the elements that reach into a sphere or box now, deeper than what touches it."""
         size = _reach(body.shape)
         if size is None:
             return np.array([], int)
+        thin = min(self.radius, size) if isinstance(body.shape, wrapper.Sphere) else self.radius
+        radius = self.radius - TOUCHING * thin
         # A curve is no farther from its chord's middle than half the chord and what slopes bend it.
         start, end = state[0][self._layout.ends.T]
         steep = np.linalg.norm(state[1], axis=1).reshape(-1, 2).sum(axis=1)
         out = 0.5 * np.linalg.norm(end - start, axis=1) + 4 / 27 * self._layout.length * steep
         gap = np.linalg.norm(0.5 * (start + end) - np.array(list(body.state.pos)), axis=1) - out
         near = np.flatnonzero(gap < size + self.radius)
-        return near[_overlaps(body, self._points(state, near, np.linspace(0, 1, 17)), self.radius)]
+        return near[_overlaps(body, self._points(state, near, np.linspace(0, 1, 17)), radius)]
 
     # ---- state -----------------------------------------------------------------------------------
 
@@ -909,8 +937,8 @@ class Structure:
         return self._state()[0][: self._layout.knots].copy()
 
     def reaction(self, knot):
-        """Force that holds a knot [N], Vector3: by what fixes or leads it; for a carried body, by
-        the body.
+        """Force that holds a knot [N], Vector3: by what fixes or leads it; across the line of a
+        sliding one; for a carried body, by the body.
         """
         knot = self.knot(knot)
         return self._needEngine("reaction").reaction(self._node(knot))
@@ -921,8 +949,8 @@ class Structure:
         return self._needEngine("moment").moment(self._node(knot))
 
     def anchorForce(self):
-        """Sum of the forces that hold the knots [N], Vector3: of all that are fixed, clamped or
-        follow a body. What carried bodies do is not among them; a knot that is tied to a held one
+        """Sum of the forces that hold the knots [N], Vector3: of all that are fixed, clamped,
+        follow a body or slide. What carried bodies do is not among them; a knot that is tied to a held one
         counts where that is held.
         """
         self._needEngine("anchorForce")
@@ -967,6 +995,12 @@ class Structure:
         tolerance = values.positive(f"{self.name}.relax: tolerance", tolerance, "-")
         iterations = values.count(f"{self.name}.relax: iterations", iterations, 1, ITERATIONS_MOST)
         engine.relax(tolerance, iterations)
+
+
+def slidingClaim(direction, clamped):
+    """What a knot is that slides."""
+    x, y, z = direction
+    return f"sliding along ({x:g}, {y:g}, {z:g})" + (", clamped" if clamped else "")
 
 
 def findBody(where, bodyId, what="bodyId"):

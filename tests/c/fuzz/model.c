@@ -36,6 +36,10 @@ static bool is_right(const built* b) {
         if (!met && !(b->def.hold && b->hold[i])) return false;
         if (b->def.mass && !not_negative(b->mass[i])) return false;
     }
+    for (int i = 0; i < b->def.n_slides; ++i) {
+        const int node = b->slide[i].node;
+        if ((b->def.hold && b->hold[node]) || (i == 1 && b->slide[0].node == node)) return false;
+    }
     for (int c = 0; c < 3; ++c)
         if (!all_finite(b->x + c * b->stride, b->n_dof) || !all_finite(b->v + c * b->stride, b->n_dof)) return false;
     return true;
@@ -98,7 +102,8 @@ static void leapfrog(fuzz* f, built* b, double step, int steps) {
         for (int k = 0; k < 3 * b->stride && finite; ++k) need(b->x[k] == twin.x[k] && (b->v[k] == twin.v[k]));
     }
     const double* g = b->m->gravity;
-    bool alone = b->m->unloaded && f->chance == 0.0 && g[0] == 0.0 && g[1] == 0.0 && g[2] == 0.0;
+    bool alone =
+        b->m->unloaded && b->def.n_slides == 0 && f->chance == 0.0 && g[0] == 0.0 && g[1] == 0.0 && g[2] == 0.0;
     for (int i = 0; i < b->n_dof; ++i) alone = alone && !b->m->hold[i];
     for (int e = 0; e < b->def.n_elements; ++e) alone = alone && b->element[e].drag == 0.0;
     if (!b->def.mass) memset(b->mass, 0, (size_t)b->def.n_nodes * sizeof *b->mass);
@@ -173,6 +178,7 @@ static void short_of_memory(fuzz* f, built* b) {
 void fuzz_model(fuzz* f) {
     built b = any_build(f);
     int where = -1;
+    b.def.slide = b.slide;
     if (by_chance(f, 0.05)) {
         short_of_memory(f, &b);
         build_free(&b);

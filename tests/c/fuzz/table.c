@@ -92,7 +92,9 @@ static bool fill(fuzz* f, ancf_table* t, const built* b) {
     }
     for (int i = 0; i < couplings && i < bodies; ++i) { // a knot carries one body, and is not held
         const int knot = any_knot(f, b->m);
-        if (b->m->hold[knot] || knot == last) continue;
+        bool slides = false;
+        for (int k = 0; k < b->m->n_slides; ++k) slides = slides || b->m->slide[k].node == knot;
+        if (b->m->hold[knot] || knot == last || slides) continue;
         ancf_coupling c = {.place = ancf_table_add_knot(t, b->m, last = knot), .body = i};
         vector_between(c.arm, f, 0.1);
         if (c.place < 0 || ancf_table_add_coupling(t, &c) < 0) return false;

@@ -137,12 +137,17 @@ built any_build(fuzz* f) {
     b.def.next = b.next;
     b.def.mass = by_chance(f, 0.2) ? NULL : b.mass;
     b.def.hold = by_chance(f, 0.2) ? NULL : b.hold;
+    for (int i = 0; i < 2 && by_chance(f, 0.2); ++i) {
+        unit_vector(along, f);
+        build_slide(&b, pick(f, nodes), along);
+    }
     return b;
 }
 
 bool any_model(built* b, fuzz* f) {
     *b = any_build(f);
     int where;
+    b->def.slide = b->slide;
     if (!ancf_model_create(&b->m, &b->def, b->x, b->v, &where)) return true;
     build_free(b);
     return false;

@@ -201,7 +201,7 @@ void ancf_table_apply(ancf_table* table, const ancf_model* m, double step, doubl
 // Contacts give it back where they press.
 double ancf_owed(double before, const double late[3], const double changing[3]);
 
-// Adds the table's impulses to a field of forces, over a time [s] (3 x stride).
+// Adds the table's impulses to a field of forces, over a time [s] (3 x stride), but for those that hold what slides.
 void ancf_table_forces(const ancf_table* table, const ancf_model* m, double time, double* force);
 
 // What the table's impulses give to an unknown in this step, before other unknowns share it [N s].

@@ -18,6 +18,7 @@
     X(ANCF_E_DRAG, "mass-proportional damping must be finite and not below zero")                                      \
     X(ANCF_E_SPRING, "a spring element has no bending stiffness: use an ANCF element")                                 \
     X(ANCF_E_STATE, "a position, slope or velocity is not finite")                                                     \
+    X(ANCF_E_SLIDE, "a slide needs a free node of its own, a direction of length 1 and a finite point on its line")    \
     X(ANCF_E_FACTOR, "the mass matrix could not be factored")                                                          \
     X(ANCF_E_LAW, "the parameters of a contact or friction law are out of range")                                      \
     X(ANCF_E_GROOVE, "a groove needs finite sizes, a slope above 0 to pi/2, and walls that reach above its fillet")    \

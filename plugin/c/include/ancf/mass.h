@@ -16,7 +16,7 @@ ancf_error ancf_mass_create(ancf_model* m, const double* added);
 void ancf_mass_destroy(ancf_mass* mass);
 
 // acceleration = M^-1 force, all (3 x stride); force joined. Where a node or slope is held, `acceleration` holds
-// the given value before and after.
+// the given value before and after; where a node slides, its part across the line.
 void ancf_mass_solve(const ancf_model* m, double* acceleration, const double* force);
 
 // product = M field; shared slopes come out joined.

@@ -38,6 +38,13 @@ typedef enum {
     ANCF_HELD, // its new velocity is given: fixed, following a body, clamped
 } ancf_hold;
 
+// A node that goes along a straight line alone, which stands still; nothing rubs, and what holds it has no mass.
+typedef struct {
+    int node;
+    double along[3]; // unit vector
+    double at[3];    // a point of the line [m]
+} ancf_slide;
+
 typedef struct {
     int n_nodes, n_elements;
     const ancf_element* element; // (n_elements)
@@ -45,6 +52,8 @@ typedef struct {
     const int* next;             // (n_elements) element into which this one goes on smoothly, or -1
     const double* mass;          // (n_nodes) added mass [kg], NULL: none
     const int* hold;             // (n_nodes + 2 n_elements) ancf_hold of every unknown, NULL: all free
+    int n_slides;
+    const ancf_slide* slide; // (n_slides) of nodes that are free
 } ancf_def;
 
 // A run of elements that are computed together: of one kind, and with every slope of its own but the first and the
@@ -85,6 +94,10 @@ typedef struct {
     int n_shared, n_held;
     int* shared;  // (n_shared x 2) places of the two copies of a shared slope in a block
     int* is_held; // (n_held) places of what is held
+    int n_slides;
+    ancf_slide* slide; // (n_slides)
+    int* slide_of;     // (n_nodes) number of a node's slide, or -1; NULL: there are none
+    struct ancf_sliding* sliding;
     int n_tiles;
     ancf_tile* tile;
     int n_seams, n_knots;

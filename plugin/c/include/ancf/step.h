@@ -23,7 +23,7 @@ void ancf_predict(ancf_model* m, const ancf_time* time);
 void ancf_correct(ancf_model* m, const ancf_time* time, const double* after, const double* shift);
 
 // Both phases where nothing comes between them, to the last bit, but faster. Of m->f and m->a it leaves what belongs to
-// nodes that are held or have added mass, and to what else is held.
+// nodes that are held, slide or have added mass, and to what else is held.
 void ancf_advance(ancf_model* m, const ancf_time* time);
 
 // One step of the classical Runge-Kutta scheme, m->external constant.
@@ -32,8 +32,8 @@ void ancf_rk4(ancf_model* m, double step);
 // Accelerations at a state into m->a.
 void ancf_acceleration(ancf_model* m, const double* x, const double* v);
 
-// Force that holds an unknown at the last step [N, N m]: M a - f of its row, for nodes and slopes that are held. Of a
-// slope that goes on into the next element, that on both copies.
+// Force that holds an unknown at the last step [N, N m]: M a - f of its row, for nodes and slopes that are held and,
+// across their lines, for nodes that slide. Of a slope that goes on into the next element, that on both copies.
 void ancf_reaction(double force[3], const ancf_model* m, int dof);
 
 #endif

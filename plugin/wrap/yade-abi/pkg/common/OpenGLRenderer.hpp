@@ -3,6 +3,7 @@
 #pragma once
 
 #include <core/Dispatching.hpp>
+#include <core/Scene.hpp>
 #include <pkg/common/GLDrawFunctors.hpp>
 
 namespace yade {
@@ -10,6 +11,16 @@ namespace yade {
 class GlBoundFunctor;
 class GlIGeomFunctor;
 class GlIPhysFunctor;
+
+// Draws what belongs to no body, after all bodies.
+class GlExtraDrawer : public Serializable {
+public:
+    Scene* scene = nullptr; // that is drawn
+    GlExtraDrawer() noexcept {}
+    virtual void render();
+    bool dead = false;
+    ANCF_PACKAGED(GlExtraDrawer)
+};
 
 template <class FunctorType> class GlTable : public DispatchTable<FunctorType> {
 public:
@@ -40,3 +51,4 @@ public:
 };
 
 } // namespace yade
+ANCF_PACKAGED_REGISTERED(GlExtraDrawer)
