@@ -18,9 +18,10 @@ BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n((?: +.*\n|\s*\n)+)", re.M)
 MPI = {  # more processes than cores, which wait for each other without load, on this machine alone, also as root
     "OMPI_MCA_mpi_yield_when_idle": "1",
     "OMPI_MCA_btl_tcp_if_include": "lo",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-    "PRTE_ALLOW_RUN_AS_ROOT": "1",
-    "PRTE_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
 }
 CAPTION = re.compile(r" +:caption: (\S+)\n")
 

@@ -19,13 +19,14 @@ HERE = pathlib.Path(__file__).resolve().parent
 def run(folder, processes, steps):
     """What the scene of spread.py ends with."""
     result = folder / f"{processes}.json"
-    command = ["yade", "-n", "-x", str(HERE / "spread.py"), str(processes), str(steps), str(result)]
+    started = ["mpirun", "-n", str(processes)] if processes > 1 else []
+    script = str(HERE / "spread.py")
+    command = [*started, "yade", "-n", "-x", script, str(processes), str(steps), str(result)]
     polite = {"OMPI_MCA_mpi_yield_when_idle": "1", "OMP_NUM_THREADS": "1"}
-    polite["PRTE_MCA_rmaps_default_mapping_policy"] = ":oversubscribe"  # more processes than cores
     polite["OMPI_MCA_btl_tcp_if_include"] = "lo"  # they are all on this machine
-    root = {
-        f"{of}_ALLOW_RUN_AS_ROOT{sure}": "1" for of in ("OMPI", "PRTE") for sure in ("", "_CONFIRM")
-    }
+    polite["OMPI_MCA_rmaps_base_oversubscribe"] = "1"  # more processes than cores: Debian 12
+    polite["PRTE_MCA_rmaps_default_mapping_policy"] = ":oversubscribe"  # Debian 13
+    root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     package = {"PYTHONPATH": str(pathlib.Path(ancf._load.__file__).parents[1])}
     environment = {**os.environ, **polite, **root, **package}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600)
