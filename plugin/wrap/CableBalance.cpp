@@ -107,7 +107,7 @@ void CableEngine::measureEnergy(const ancf_time& time) {
     }
     elasticAt = m->elastic;
     heightAt = ancf_height(m);
-    const bool kept = leapfrog && m->track;
+    const bool kept = leapfrog && m->track && spools.empty(); // what is fed comes after it
     kineticAt = kept ? m->kinetic : ancf_kinetic_kept(m, last, next);
     if (scene->trackEnergy) meanKineticAt = kept ? m->kinetic_mean : ancf_kinetic_kept(m, last, 0);
     for (const ancf_spool& s : spools) {
