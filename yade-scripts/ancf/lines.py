@@ -195,7 +195,7 @@ class Line:
                     f"the line has {engine.wholeLength:.6g} m left: there is nothing to draw in"
                 )
                 values.refuse(f"{self.name}.haul: to", to, remedy)
-        brake = self._brake("haul", brake, force)
+        brake = values.brake(f"{self.name}.haul: brake", brake, force)
         engine.setWinch(self._end("haul", end), speed, force, brake, to, math.inf)
 
     def payOut(self, speed, to=math.inf, brake=math.inf, end=-1):
@@ -208,13 +208,13 @@ class Line:
         if to <= engine.wholeLength:
             remedy = f"the line has {engine.wholeLength:.6g} m out already"
             values.refuse(f"{self.name}.payOut: to", to, remedy)
-        brake = self._brake("payOut", brake, 0.0)
+        brake = values.brake(f"{self.name}.payOut: brake", brake)
         engine.setWinch(self._end("payOut", end), -speed, 0.0, brake, 0.0, to)
 
     def hold(self, brake=math.inf, end=-1):
         """Lets the winch at an end hold what it has, up to the tension of its brake [N]."""
         engine = self._needEngine("hold")
-        brake = self._brake("hold", brake, 0.0)
+        brake = values.brake(f"{self.name}.hold: brake", brake)
         engine.setWinch(self._end("hold", end), 0.0, 0.0, brake, 0.0, math.inf)
 
     def winch(self, end=-1):
@@ -227,14 +227,6 @@ class Line:
         if end not in (0, -1):
             values.refuse(f"{self.name}.{what}: end", end, "must be 0, the first place, or -1")
         return end
-
-    def _brake(self, what, brake, force):
-        if brake != math.inf:
-            brake = values.positive(f"{self.name}.{what}: brake", brake, "N")
-        if brake < force:
-            remedy = f"must be at least force = {force:g} N, or it could never draw"
-            values.refuse(f"{self.name}.{what}: brake", brake, remedy)
-        return brake
 
     def _least(self):
         """Its length with all rings drawn together [m]."""

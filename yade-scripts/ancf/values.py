@@ -131,3 +131,12 @@ def points(where, value):
         remedy = f"must be within {FARTHEST:g} m of the origin: use metres, and an origin nearby"
         refuse(f"{where}[{i}]", tuple(p[i]), remedy)
     return p
+
+
+def brake(where, value, force=0.0):
+    """The tension [N] from which a winch slips that draws with up to a force [N]; inf: it never does."""
+    if value != math.inf:
+        value = positive(where, value, "N")
+    if value < force:
+        refuse(where, value, f"must be at least force = {force:g} N, or it could never draw")
+    return value

@@ -113,7 +113,7 @@ class Winch:
                     to,
                     f"there are {known['outside']:.6g} m outside: there is nothing to draw in",
                 )
-        brake = self._brake("haul", brake, force)
+        brake = values.brake(f"{self.name}.haul: brake", brake, force)
         self._set("haul", speed, force, brake, to, known["most"])
 
     def payOut(self, speed, to=None, brake=math.inf):
@@ -139,13 +139,13 @@ class Winch:
                     to,
                     f"there are {known['outside']:.6g} m outside already",
                 )
-        brake = self._brake("payOut", brake, 0.0)
+        brake = values.brake(f"{self.name}.payOut: brake", brake)
         self._set("payOut", speed, 0.0, brake, known["least"], to)
 
     def hold(self, brake=math.inf):
         """Holds what it has, up to the tension of its brake [N]."""
         known = self._reading("hold")
-        brake = self._brake("hold", brake, 0.0)
+        brake = values.brake(f"{self.name}.hold: brake", brake)
         self._set("hold", 0.0, 0.0, brake, known["least"], known["most"])
 
     def _set(self, what, *law):
@@ -159,14 +159,6 @@ class Winch:
             remedy = f"must be {least:.6g} to {most:.6g} m: half an element stays on either side"
             values.refuse(f"{self.name}.{what}: to", to, remedy)
         return min(max(to, least), most)
-
-    def _brake(self, what, brake, force):
-        if brake != math.inf:
-            brake = values.positive(f"{self.name}.{what}: brake", brake, "N")
-        if brake < force:
-            remedy = f"must be at least force = {force:g} N, or it could never draw"
-            values.refuse(f"{self.name}.{what}: brake", brake, remedy)
-        return brake
 
     # ---- reading ---------------------------------------------------------------------------------
 
