@@ -32,7 +32,7 @@ class Winch:
             values.refuse("Winch: cable", cable, "must be a Cable", TypeError)
         where = f"Winch of {cable.name}"
         if cable._stored is not None:
-            raise ValueError(f"{where}: the cable has a winch already, and may have one")
+            raise ValueError(f"{where}: the cable has a winch already, and may have only one")
         if cable.appended:
             raise RuntimeError(f"{where}: make it before the cable is appended, and its engines()")
         if not cable.section.spring:
