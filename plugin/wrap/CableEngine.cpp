@@ -412,6 +412,7 @@ void CableEngine::followSlope(int element, int end) {
 
 void CableEngine::slide(int node, const Vector3r& direction) {
     checkNode(node, "slide");
+    checkOutside(*this, node, "slide");
     checkUnclaimed(node = tied(node));
     Attributes(text("CableEngine.slide: node ", node))
         .need(finite(direction) && direction.norm() > 0, "direction", direction, "finite, below 1e100 and not 0");

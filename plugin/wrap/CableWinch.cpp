@@ -47,6 +47,11 @@ namespace {
         Row(const vector<int>& rows, size_t i)
             : drum(rows[2 * i]), far(rows[2 * i + 1]), step(far < drum ? -1 : 1), near(far < drum ? 1 : 0) {}
         bool has(int element) const { return (element - drum) * step >= 0 && (far - element) * step >= 0; }
+        Real sum(const vector<Real>& ofElements) const {
+            Real all = 0;
+            for (int e = drum; has(e); e += step) all += ofElements[e];
+            return all;
+        }
     };
 
     int countOf(const vector<int>& exits) { return static_cast<int>(exits.size()); }
@@ -160,7 +165,8 @@ int CableEngine::wind(int drum, int far, int wound, Real inertia) {
         if (ends[2 * e + row.near] != node) all.refuse("element ", e, " does not begin where the one before it ends");
         node = ends[2 * e + 1 - row.near];
         if ((e - drum) * row.step < wound) {
-            for (const auto* nodes : {&fixedNodes, &followNodes, &carryNodes, &loadNodes, &tiedNodes, &tiedTo})
+            for (const auto* nodes :
+                 {&fixedNodes, &followNodes, &slideNodes, &carryNodes, &loadNodes, &tiedNodes, &tiedTo})
                 if (has(*nodes, node)) all.refuse("node ", node, ", which is to be wound, is held, loaded or tied");
         }
         if (e == far) break;
@@ -212,12 +218,8 @@ void CableEngine::setWinch(int i, const py::object& speed, Real force, Real brak
     const bool script = isFunction(speed);
     const Real number = script ? 0 : static_cast<Real>(py::extract<Real>(speed));
     const Row row(winchRows, static_cast<size_t>(i));
-    Real whole = 0;
-    for (int e = row.drum;; e += row.step) {
-        whole += winchLengths[e];
-        if (e == row.far) break;
-    }
-    const Real low = shortestPart * winchLengths[row.far], high = whole - shortestPart * winchLengths[row.drum];
+    const Real low = shortestPart * winchLengths[row.far];
+    const Real high = row.sum(winchLengths) - shortestPart * winchLengths[row.drum];
     all.need(finite(number), "speed", number, "finite, and below 1e100 [m/s]");
     all.need(force >= 0, "force", force, "not below 0 [N]");
     all.need(brake >= force, "brake", brake, text("at least the force, ", force, " N"));
@@ -273,19 +275,21 @@ void CableEngine::makeSpools() {
         const Row row(winchRows, static_cast<size_t>(i));
         const Real* n = &winchNumbers[static_cast<size_t>(NUMBERS * i)];
         const int exit = tied(winchExits[i]), first = winchElements[i];
-        Real whole = 0;
         for (size_t k = 0; k < carryNodes.size(); ++k)
             if (carryNodes[k] == exit && carrierOf(carryIds[k]) < 0)
                 throw std::invalid_argument(text("CableEngine ", family, ": node ", exit, ", at which winch ", i,
                                                  " sits, carries body ", carryIds[k],
                                                  " off its centre or on a guide: carry it at (0, 0, 0)"));
-        for (int e = row.drum;; e += row.step) {
+        for (int e = row.drum; row.has(e); e += row.step) {
             if (massDamping[e] > 0)
                 throw std::invalid_argument(text("CableEngine ", family, ": massDamping[", e, "] = ", massDamping[e],
                                                  ": must be 0 [1/s] for a cable on a winch, as it would brake what is "
                                                  "wound; use damping"));
-            whole += winchLengths[e];
-            if (e == row.far) break;
+            for (const int node : {exit, tied(winchNodes[e])})
+                if (has(slideNodes, node))
+                    throw std::invalid_argument(
+                        text("CableEngine ", family, ": node ", node, " of a cable on winch ", i,
+                             " slides along a line: fix it, or let it carry a body on a GuideEngine"));
         }
         ancf_spool s {};
         s.node = exit;
@@ -293,7 +297,7 @@ void CableEngine::makeSpools() {
         s.store = first - row.step;
         s.both = n[BOTH];
         s.beyond = n[BEYOND];
-        s.capacity = whole - shortestPart * winchLengths[row.drum];
+        s.capacity = row.sum(winchLengths) - shortestPart * winchLengths[row.drum];
         s.law = {n[SPEED], n[FORCE], n[BRAKE], n[LEAST], n[MOST]};
         s.inertia = n[INERTIA];
         s.rate = n[RATE];

@@ -369,6 +369,15 @@ def test_integrators_and_bodies_off_their_centre():
         ancf.engines(cable)
 
 
+@pytest.mark.parametrize("knot", [0, 1])
+def test_ends_that_slide_are_refused(knot):
+    cable, winch = tether([(0, 0, 0), (0, 0, -5)])
+    cable.fix(1 - knot)
+    cable.slide(knot, (1, 0, 0))
+    with pytest.raises(ValueError, match="of a cable on winch 0 slides along a line: fix it"):
+        ancf.engines(cable)
+
+
 def test_too_fast_for_its_elements():
     cable, winch = hanging()
     winch.payOut(3000)
