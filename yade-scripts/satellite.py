@@ -100,10 +100,9 @@ class Mission:
         )
         self.net.addBullets(angle=np.radians(ANGLE), **BULLETS)
         self.around = 4 * MESHES * MESH_LENGTH
+        rings = [*self.net.rim, self.net.rim[0]]  # from a bullet and back to it
         self.line = ancf.Line(
-            [
-                (self.net, k) for k in [*self.net.rim, self.net.rim[0]]
-            ],  # from a bullet and back to it
+            [(self.net, knot) for knot in rings],
             diameter=DIAMETER,
             material="cord",
             length=1.02 * self.around,
