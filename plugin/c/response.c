@@ -306,3 +306,12 @@ const ancf_response* ancf_responses_of(ancf_responses* r, const ancf_model* m, i
     forget(r);
     return error ? NULL : response;
 }
+
+void ancf_responses_renew(ancf_responses* r, const ancf_model* m, int node) {
+    for (int k = m->first[node]; k < m->first[node + 1]; ++k) {
+        const ancf_response* response = &r->element[m->at[k] >> 1];
+        double(*column)[4] = (double(*)[4])response->column; // ours
+        for (int i = 0; i < response->n; ++i)
+            if (response->dof[i] == node) column[i][m->at[k] & 1 ? 2 : 0] = m->mass->inverse[node];
+    }
+}

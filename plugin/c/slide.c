@@ -3,8 +3,8 @@
 //
 //     a = M^-1 (f + lambda),   P_i a_i as given:   sum over j of P_i (M^-1)_ij P_j lambda_j = P_i (given - M^-1 f)_i.
 //
-// Blocks on the diagonal are taken as (M^-1)_ii I, so that the matrix over all slides is regular and, along the lines,
-// its own: what has nothing along them gets nothing along them. It is inverted once; where M is diagonal, so is it.
+// Blocks on the diagonal are taken as (M^-1)_ii I, so that the matrix over all slides is regular, and maps what is
+// across the lines to what is across them. It is inverted once; where M is diagonal, so is it.
 #include "slide.h"
 #include "factor.h"
 
@@ -13,7 +13,6 @@
 #include <string.h>
 
 struct ancf_sliding {
-    double* own;        // (n) of M^-1 on the diagonal [1/kg]
     double* inverse;    // (3 n x 3 n) [kg]; NULL: M is diagonal
     double (*given)[3]; // (n) across, of accelerations
     double (*x)[3], (*v)[3];
@@ -90,7 +89,6 @@ static ancf_error make_inverse(ancf_model* m) {
     ancf_error error = effect && s->inverse ? ANCF_OK : ANCF_E_MEMORY;
     for (int j = 0; j < m->n_slides && !error; ++j) {
         effects_of(effect, m, j);
-        s->own[j] = effect[j];
         fill_column(s->inverse, m, j, effect);
     }
     free(effect);
@@ -103,23 +101,19 @@ ancf_error ancf_slides_create(ancf_model* m) {
     if (n == 0) return ANCF_OK;
     struct ancf_sliding* s = m->sliding = calloc(1, sizeof *s);
     if (!s) return ANCF_E_MEMORY;
-    s->own = calloc(n, sizeof *s->own);
     s->given = calloc(5 * n, sizeof *s->given);
     s->force = calloc(2 * field, sizeof *s->force);
-    if (!s->own || !s->given || !s->force) return ANCF_E_MEMORY;
+    if (!s->given || !s->force) return ANCF_E_MEMORY;
     s->x = s->given + n;
     s->v = s->x + n;
     s->gained = s->v + n;
     s->held = s->gained + n;
     s->answer = s->force + field;
-    if (!ancf_mass_diagonal(m)) return make_inverse(m);
-    for (int i = 0; i < m->n_slides; ++i) s->own[i] = m->mass->inverse[m->slide[i].node];
-    return ANCF_OK;
+    return ancf_mass_diagonal(m) ? ANCF_OK : make_inverse(m);
 }
 
 void ancf_slides_destroy(ancf_model* m) {
     if (m->sliding) {
-        free(m->sliding->own);
         free(m->sliding->inverse);
         free(m->sliding->given);
         free(m->sliding->force);
@@ -145,7 +139,7 @@ void ancf_slides_hold(double (*impulse)[3], const ancf_model* m, double (*veloci
         double off[3];
         across(off, &m->slide[j], velocity[j]);
         if (off[0] == 0.0 && off[1] == 0.0 && off[2] == 0.0) continue;
-        for (int c = 0; c < 3 && !s->inverse; ++c) impulse[j][c] = -off[c] / s->own[j];
+        for (int c = 0; c < 3 && !s->inverse; ++c) impulse[j][c] = -off[c] / m->mass->inverse[m->slide[j].node];
         if (s->inverse) subtract_rows(*impulse, s->inverse + 9 * j * n, off, 3 * n);
     }
 }

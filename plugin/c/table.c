@@ -56,6 +56,8 @@ void ancf_table_destroy(ancf_table* t) {
     free(t);
 }
 
+void ancf_table_renew(ancf_table* t, const ancf_model* m, int node) { ancf_responses_renew(t->responses, m, node); }
+
 void ancf_table_clear(ancf_table* t) {
     t->n_places = t->n_bodies = t->n_contacts = t->n_couplings = 0;
     t->slopes = false;

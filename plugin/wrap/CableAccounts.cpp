@@ -245,11 +245,13 @@ void CableEngine::relax(Real tolerance, int iterations) {
     takeGravity();
     loadNodesAlone();
     model->track = false;
+    if (model->fed) std::fill_n(model->fed, 3 * model->n_elements, 0); // winches stand still
     CableRest rest(*this);
     const vector<Real> before = position;
     const ancf_error error = ancf_equilibrium(model.get(), tolerance, iterations, rest.get());
     if (const string why = error ? ancf_error_text(error) : rest.moved(); !why.empty()) {
         std::copy(before.begin(), before.end(), position.begin());
+        dropModel();
         refuse("relax: " + why);
     }
     for (size_t i = 0; i < carryNodes.size(); ++i) {

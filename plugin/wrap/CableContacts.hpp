@@ -97,6 +97,7 @@ public:
     void planFor(const CableEngine& cable, Real step); // O.dt may have been set since the boxes were planned
     void disturb(); // places or velocities were set from outside: nothing rests, boxes are new
 
+    void renew(const ancf_model* m, int node) const { ancf_table_renew(table.get(), m, node); } // its mass has changed
     bool begin(const CableEngine& cable, int steps); // that the cable takes in O.dt; false: there is nothing to gather
     void gather(CableEngine& cable);
     void solve(CableEngine& cable, const ancf_time& time, int step, int steps); // one of the cable's in O.dt

@@ -57,6 +57,7 @@ void Gl1_CableElement::go(const shared_ptr<Shape>& shape, const shared_ptr<State
         const PatientGuard guard;
         CableEngine* cables = guard ? CableEngine::of(*scene, element.family) : nullptr;
         if (!cables || element.element < 0 || element.element >= cables->nElements()) return;
+        if (cables->kind[element.element] & ANCF_WOUND) return;
         try {
             curve = curveOf(*cables, element.element, *state, std::max(1, parts));
         } catch (const std::exception&) {

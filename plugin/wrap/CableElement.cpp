@@ -34,11 +34,15 @@ void Bo1_CableElement_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>
     const auto& element = static_cast<const CableElement&>(*shape);
     const CableView* view = element.view(*scene);
     if (!view) return;
+    if (view->model->element[element.element].kind & ANCF_WOUND) { // touches nothing
+        bound.reset();
+        return;
+    }
     ancf_box box;
     ancf_boxes_of(&box, view->boxes, view->model, element.element);
     if (!bound) bound = shared_ptr<Bound>(new Aabb);
     // Those of a flat net differ by rounding only, which would shuffle them at each sorting: n^2 steps. On a grid they
-    // are equal.
+    // are equal, unless they lie on its lines: 3.7, since bounds are often a simple part of the radius from 0.
     const Real grid = view->cover[element.element].radius / 3.7;
     for (int c = 0; c < 3; ++c) {
         bound->min[c] = grid * std::floor(box.low[c] / grid);

@@ -185,13 +185,16 @@ void CableEngine::checkHome() const {
                     "O.reset() or O.load() has taken away; make a new one"));
 }
 
+const char* CableEngine::claimOf(int node) const {
+    return has(fixedNodes, node)    ? "fixed"
+           : has(followNodes, node) ? "following a body"
+           : has(slideNodes, node)  ? "sliding along a line"
+           : has(carryNodes, node)  ? "carrying a body"
+                                    : nullptr;
+}
+
 void CableEngine::checkUnclaimed(int node) const {
-    const char* claim = has(fixedNodes, node)    ? "fixed"
-                        : has(followNodes, node) ? "following a body"
-                        : has(slideNodes, node)  ? "sliding along a line"
-                        : has(carryNodes, node)  ? "carrying a body"
-                                                 : nullptr;
-    if (claim)
+    if (const char* claim = claimOf(node))
         throw std::invalid_argument(text("CableEngine: node ", node, " is ", claim, " already: release it first"));
 }
 
@@ -352,7 +355,7 @@ vector<Body::id_t> CableEngine::addBodies(int first, const shared_ptr<Material>&
 namespace {
     // What is wound on a drum stands for nothing yet.
     void checkOutside(const CableEngine& cable, int node, const char* what) {
-        if (has(cable.winchNodes, node) && cable.tied(node) != node && has(cable.winchExits, cable.tied(node)))
+        if (cable.wound(node))
             throw std::invalid_argument(
                 text("CableEngine.", what, ": node ", node, " is wound on the drum of a winch: pay it out first"));
     }
@@ -449,6 +452,10 @@ void CableEngine::carry(int node, Body::id_t id, const Vector3r& place) {
     if (!(gap <= 1e-6 * (1 + state.pos.norm())))
         throw std::invalid_argument(text("CableEngine.carry: node ", node, " is ", gap,
                                          " m from the point `at` of body ", id, ": put the body there first"));
+    for (size_t i = 0; i < carryIds.size(); ++i)
+        if (carryIds[i] == id && place.norm() == 0 && carryAt[i].norm() == 0 && !placedByDrive(theScene(), body))
+            throw std::invalid_argument(text("CableEngine.carry: body ", id, " is carried at its centre by node ",
+                                             carryNodes[i], " already: tie() node ", node, " to that one"));
     // Free to move and held at its centre, the body is no more than mass at the node.
     if (place.norm() == 0 && !(state.blockedDOFs & State::DOF_XYZ)) {
         if (has(carryIds, id))
@@ -487,6 +494,13 @@ int CableEngine::tied(int node) const {
     for (size_t i = 0; none && i < tiedNodes.size(); ++i) standsFor[tiedNodes[i]] = tiedTo[i];
     while (standsFor[node] != node) node = standsFor[node] = standsFor[standsFor[node]];
     return node;
+}
+
+bool CableEngine::wound(int node) const {
+    checkNode(node, "wound");
+    for (size_t e = 0; e < winchNodes.size(); ++e)
+        if (winchNodes[e] == node && (kind[e] & ANCF_WOUND)) return true;
+    return false;
 }
 
 vector<int> CableEngine::elementsAt(int node) const {

@@ -148,6 +148,7 @@ class CableEngine : public GlobalEngine {
     void setField(vector<Real>& field, const char* name, const vector<Real>& value);
     void checkNode(int node, const char* what) const;
     void checkRange(const char* what, int first, int n, int all) const;
+    const char* claimOf(int node) const; // what holds or carries it, or NULL
     void checkUnclaimed(int node) const;
     void checkSlope(const char* what, int element, int end) const;
     void changed();
@@ -228,7 +229,8 @@ class CableEngine : public GlobalEngine {
     void askWinches();
     void feedWinches(const ancf_time& time);
     void endWinches();
-    void knotWinches();
+    void finishWinches();
+    void rebuildKnotted();
     bool knotWinch(int winch);
     void checkClaimed(int winch, int node) const;
     Real winchWork() const;
@@ -282,6 +284,7 @@ public:
     void setWinch(int winch, const py::object& speed, Real force, Real brake, Real least, Real most);
     py::dict winch(int number) const;
     int tied(int node) const;
+    bool wound(int node) const;
     vector<int> elementsAt(int node) const;
     py::object state(int firstNode, int nodes, int firstElement, int elements) const;
     void setVelocities(int firstNode, const py::object& ofNodes, int firstElement, const py::object& ofSlopes);
@@ -428,6 +431,7 @@ public:
         .def("setWinch", &CableEngine::setWinch, (py::arg("winch"), py::arg("speed"), py::arg("force"), py::arg("brake"), py::arg("least"), py::arg("most")), "What a winch does: draws at a speed [m/s], a number or a function of time, with a force [N], and slips above its brake's [N], between two unstressed lengths outside [m]. ValueError on bad values.")
         .def("winch", &CableEngine::winch, (py::arg("number")), "What a winch did in the last step, as dict does, tension [N], rate of the length outside [m/s], length outside and wound [m], work on the cable and energy by nodes that came and went [J], least and most [m].")
         .def("tied", &CableEngine::tied, (py::arg("node")), "The node that stands for a node.")
+        .def("wound", &CableEngine::wound, (py::arg("node")), "Whether a node is on the drum of a winch.")
         .def("elementsAt", &CableEngine::elementsAt, (py::arg("node")), "Elements that meet at a node.")
         .def("state", &CableEngine::state, (py::arg("firstNode"), py::arg("nodes"), py::arg("firstElement"), py::arg("elements")),
              "So many nodes from one on, each where the one is that stands for it [m], and the slopes of so many elements, start and end of each [-]: 3 numbers each, for numpy.frombuffer.")

@@ -124,8 +124,8 @@ namespace {
     }
 } // namespace
 
-// In every step: a body could have been erased, and its number or shape be another's. No more than `most` elements,
-// those of the next step the ones behind them.
+// A body could have been erased, and its number or shape be another's. No more than `most` elements; the next call looks
+// at those behind them.
 void CableEngine::checkBodies(size_t most) const {
     const Scene& s = theScene();
     const auto size = static_cast<Body::id_t>(s.bodies->size());

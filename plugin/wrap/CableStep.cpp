@@ -393,7 +393,7 @@ void CableEngine::action() {
     else stepExplicit(inside);
     stepped = true;
     if (scene->trackEnergy) trackEnergy();
-    if (!spools.empty()) knotWinches();
+    if (!spools.empty()) finishWinches();
     clock.passed(StepClock::ENERGY);
 }
 

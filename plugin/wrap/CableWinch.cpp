@@ -8,10 +8,12 @@
 #include "Guard.hpp"
 
 extern "C" {
+#include "ancf/mass.h"
 #include "ancf/stability.h"
 }
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace yade {
@@ -101,7 +103,6 @@ void CableEngine::checkWinch(int i) const {
     if (!row.has(first) || first == row.drum)
         all.refuse("winchElements[", i, "] = ", first, ": must be of its row, ", row.drum, " to ", row.far,
                    ", and not the last on the drum");
-    const bool mixed = length[first] > 2.5 * winchLengths[first] || length[first] < .2 * winchLengths[first];
     Real beyond = 0;
     int near = exit; // node at the near end of the next element outside
     vector<int> nodes;
@@ -111,8 +112,7 @@ void CableEngine::checkWinch(int i) const {
         const int *end = &ends[2 * e], node = winchNodes[e];
         const bool tiedHere = node >= 0 && other[node] >= 0 && standing(node) == exit;
         if (!(kind[e] & ANCF_SPRING) || wound == bool(passed) || node < 0 || !(winchLengths[e] > 0) ||
-            (!beside && length[e] != winchLengths[e]) || (e == first && mixed) ||
-            (wound && (end[0] != exit || !tiedHere)) ||
+            (!beside && length[e] != winchLengths[e]) || (wound && (end[0] != exit || !tiedHere)) ||
             (!wound && (end[row.near] != near || end[1 - row.near] != standing(node))))
             all.refuse("winchRows[", i, "]: element ", e, " of kind ", kind[e], ", length ", length[e], " m, the ends ",
                        end[0], " and ", end[1], ", winchNodes = ", node, " and winchLengths = ", winchLengths[e],
@@ -165,9 +165,8 @@ int CableEngine::wind(int drum, int far, int wound, Real inertia) {
         if (ends[2 * e + row.near] != node) all.refuse("element ", e, " does not begin where the one before it ends");
         node = ends[2 * e + 1 - row.near];
         if ((e - drum) * row.step < wound) {
-            for (const auto* nodes :
-                 {&fixedNodes, &followNodes, &slideNodes, &carryNodes, &loadNodes, &tiedNodes, &tiedTo})
-                if (has(*nodes, node)) all.refuse("node ", node, ", which is to be wound, is held, loaded or tied");
+            if (claimOf(node) || has(loadNodes, node) || has(tiedNodes, node) || has(tiedTo, node))
+                all.refuse("node ", node, ", which is to be wound, is held, loaded or tied");
         }
         if (e == far) break;
     }
@@ -268,6 +267,10 @@ py::dict CableEngine::winch(int i) const {
 void CableEngine::makeSpools() {
     spools.clear();
     if (winchExits.empty()) return;
+    if (!ancf_mass_diagonal(model.get()))
+        throw std::invalid_argument(text("CableEngine ", family,
+                                         " has cables of consistent mass beside one on a winch, "
+                                         "whose mass changes: give them mass='lumped', or an engine of their own"));
     if (integrator != "leapfrog")
         throw std::invalid_argument(text("CableEngine ", family, ": integrator = '", integrator,
                                          "' does not know winches: use integrator = 'leapfrog'"));
@@ -287,10 +290,17 @@ void CableEngine::makeSpools() {
                                                  "wound; use damping"));
             for (const int node : {exit, tied(winchNodes[e])})
                 if (has(slideNodes, node))
-                    throw std::invalid_argument(
-                        text("CableEngine ", family, ": node ", node, " of a cable on winch ", i,
-                             " slides along a line: fix it, or let it carry a body on a GuideEngine"));
+                    throw std::invalid_argument(text("CableEngine ", family, ": node ", node, " of a cable on winch ",
+                                                     i, " slides along a line: fix it, or release it"));
         }
+        const int moved[] = {exit, ends[2 * first + 1 - row.near]};
+        for (const ancf_spool& other : spools)
+            for (const int node : moved)
+                if (node == other.node || node == ends[2 * other.element] || node == ends[2 * other.element + 1])
+                    throw std::invalid_argument(
+                        text("CableEngine ", family, ": node ", node, " is beside the drums of winches ",
+                             &other - spools.data(), " and ", i,
+                             ", and can be so of one: carry a body at each of two nodes, or haul(to=) less"));
         ancf_spool s {};
         s.node = exit;
         s.element = first;
@@ -333,6 +343,7 @@ void CableEngine::keepSpools() {
 
 // Speeds that are functions of time, in the middle of the step.
 void CableEngine::askWinches() {
+    needSound();
     for (int i = 0; i < countOf(winchExits); ++i) {
         if (!winchScripted[i]) continue;
         const string which = text("the speed of winch ", i);
@@ -344,11 +355,24 @@ void CableEngine::askWinches() {
 }
 
 void CableEngine::feedWinches(const ancf_time& time) {
-    for (ancf_spool& s : spools) ancf_spool_feed(&s, model.get(), &time);
+    for (ancf_spool& s : spools) {
+        ancf_spool_feed(&s, model.get(), &time);
+        const Real passed = std::abs(s.rate) * scene->dt, most = inStep * winchLengths[s.element];
+        if (passed > most) {
+            dropModel(); // nothing has moved
+            refuse(text("at iteration ", scene->iter, " winch ", &s - spools.data(), " feeds ", passed,
+                        " m in a step, more than a quarter of an element: use O.dt <= ", scene->dt * most / passed,
+                        " s, longer elements, or a lower speed or brake"));
+        }
+        for (int end = 0; end < 2; ++end) touching.renew(model.get(), ends[2 * s.element + end]);
+    }
 }
 
 void CableEngine::endWinches() {
-    for (const ancf_spool& s : spools) ancf_spool_end(&s, model.get());
+    for (ancf_spool& s : spools) {
+        ancf_spool_end(&s, model.get());
+        for (int end = 0; end < 2; ++end) touching.renew(model.get(), ends[2 * s.element + end]);
+    }
 }
 
 // Of all, up to the positions that the last step of the cables started from, and what nodes brought and took [J].
@@ -365,14 +389,15 @@ Real CableEngine::winchRate() const {
     return most;
 }
 
-// With the first element at a drum as short as it may become.
+// With each element as short as it may become beside a drum; see knotWinch().
 Real CableEngine::stableStep(Real strain, int* element) const {
     Real least = ancf_critical_step(model.get(), strain, element);
     for (size_t i = 0; i < winchExits.size(); ++i) {
         const Row row(winchRows, i);
-        for (const int e : {row.drum, winchElements[i], row.far}) {
+        for (int e = row.drum; row.has(e); e += row.step) {
             ancf_element shortOne = model->element[e];
-            shortOne.length = shortestPart * winchLengths[e];
+            const Real beyond = e == row.far ? winchLengths[e] : winchLengths[e + row.step];
+            shortOne.length = shortestPart * std::min(winchLengths[e], beyond);
             const Real step = ancf_element_step(&shortOne, strain);
             if (step >= least) continue;
             least = step;
@@ -384,36 +409,53 @@ Real CableEngine::stableStep(Real strain, int* element) const {
 
 // ---------------------------------------------------------------- nodes that come and go
 
-void CableEngine::checkClaimed(int i, int node) const {
-    const char* claim = has(fixedNodes, node)    ? "is fixed"
-                        : has(followNodes, node) ? "follows a body"
-                        : has(carryNodes, node)  ? "carries a body"
-                        : has(loadNodes, node)   ? "is loaded"
-                        : has(tiedTo, node)      ? "is tied to another"
-                                                 : nullptr;
+void CableEngine::checkClaimed(int i, int goes) const {
+    const int node = tied(goes);
+    const char* claim = has(fixedNodes, node)               ? "is fixed"
+                        : has(followNodes, node)            ? "follows a body"
+                        : has(carryNodes, node)             ? "carries a body"
+                        : has(loadNodes, node)              ? "is loaded"
+                        : node != goes || has(tiedTo, node) ? "is tied to another"
+                                                            : nullptr;
     for (const Pulls& one : pulls)
         for (const auto& [pulled, force] : one.forces)
             if (pulled == node) claim = "is a place of a line";
     if (claim)
-        refuse(text("at iteration ", scene->iter, " node ", node, " comes to the drum of winch ", i, " and ", claim,
+        refuse(text("at iteration ", scene->iter, " node ", goes, " comes to the drum of winch ", i, " and ", claim,
                     ": haul(to=) at least ", spools[i].beyond, " m, or release it before"));
 }
 
 // After a step: where the first element has become so long or short that a node comes, or goes, it does.
-void CableEngine::knotWinches() {
+void CableEngine::finishWinches() {
     keepSpools();
     bool any = false;
-    for (int i = 0; i < countOf(winchExits); ++i) {
-        const Real passed = std::abs(spools[i].rate) * scene->dt, most = inStep * winchLengths[winchElements[i]];
-        if (passed > most)
-            refuse(text("at iteration ", scene->iter, " winch ", i, " feeds ", passed,
-                        " m in a step, more than a quarter of an element: use O.dt <= ", scene->dt * most / passed,
-                        " s, longer elements, or a lower speed or brake"));
-        any = knotWinch(i) || any;
-    }
-    if (!any) return;
+    for (int i = 0; i < countOf(winchExits); ++i) any = knotWinch(i) || any;
+    if (any) rebuildKnotted();
+}
+
+// The next InteractionLoop finds places on the new elements; what is read until then is of the step that was. Numbers
+// of nodes and elements are the same.
+void CableEngine::rebuildKnotted() {
+    const auto fields = [](ancf_model* m) {
+        const size_t nodes = 3 * static_cast<size_t>(m->stride), elements = 3 * static_cast<size_t>(m->n_elements);
+        return std::array {std::pair(m->f, nodes), std::pair(m->a, nodes), std::pair(m->external, nodes),
+                           std::pair(m->pull, elements)};
+    };
+    vector<vector<Real>> of;
+    for (const auto& [field, size] : fields(model.get())) of.emplace_back(field, field + size);
+    const Real moved = movedBy;
+    const bool unloaded = model->unloaded;
     standsFor.clear();
-    dropModel();
+    try {
+        build();
+    } catch (const std::invalid_argument& error) { // a ValueError is a RuntimeError of a step
+        throw std::runtime_error(error.what());
+    }
+    size_t k = 0;
+    for (const auto& [field, size] : fields(model.get())) std::copy_n(of[k++].begin(), size, field);
+    model->unloaded = unloaded;
+    loaded = stepped = true;
+    movedBy = moved;
 }
 
 // The first element is longer than it was laid by more than 0.6 of the next one on the drum, or shorter than half:
@@ -440,7 +482,7 @@ bool CableEngine::knotWinch(int i) {
         s.element = store;
         s.store = last;
     } else if (e != row.far && s.next < shortestPart * std::min(laid[e], laid[beyond])) {
-        const int goes = winchNodes[e], end = winchNodes[beyond];
+        const int goes = winchNodes[e], end = ends[2 * beyond + 1 - row.near];
         checkClaimed(i, goes);
         ancf_spool_merge(&node, &s, m, beyond, lastStep);
         if (!m->hold[end]) setNode(velocity.data(), stride, end, Vector3r(node.v));

@@ -363,7 +363,8 @@ def _knots():
     found = {}
     for one in structures():
         for knot in range(one._layout.knots):
-            found.setdefault((one._family, one._node(knot)), (one, knot))
+            if not one._wound(knot):
+                found.setdefault((one._family, one._node(knot)), (one, knot))
     return found
 
 

@@ -11,7 +11,7 @@ from yade import O
 
 from .cables import Cable
 from .nets import Net
-from .structure import Section, Structure, cableEngines, chained, slidingClaim
+from .structure import WOUND, Section, Structure, cableEngines, chained, slidingClaim
 
 KINDS = {"Cable": Cable, "Net": Net}
 
@@ -57,7 +57,9 @@ def _made(engine, number, known):
         raise ValueError(f"{count} elements from {firstElement} on, of {engine.nElements}")
     layout.next = np.where(follows < 0, -1, follows - firstElement)
     section = Section(
-        material=O.materials[known["material"]], kind=engine.kind[firstElement], **known["section"]
+        material=O.materials[known["material"]],
+        kind=engine.kind[firstElement] & ~WOUND,
+        **known["section"],
     )
     Structure.__init__(made, known["label"], section, layout, **known["shows"])
     made._engine, made._family, made._number = engine, engine.family, number
@@ -72,17 +74,14 @@ def _claim(engine, structures):
     knots = {}  # node -> (structure, knot)
     for one in structures:
         knots |= {one._first[0] + knot: (one, knot) for knot in range(one._layout.knots)}
-    wound = set(engine.winchNodes)
+    wound = {node for node, kind in zip(engine.winchNodes, engine.kind) if kind & WOUND}
     standing = {}  # node -> those that it stands for
     for node in engine.tiedNodes:
-        standing.setdefault(engine.tied(node), []).append(node)
+        if node not in wound:
+            standing.setdefault(engine.tied(node), []).append(node)
     for node, others in standing.items():
-        if not set(others) - wound:
-            continue
         first, at = knots[node]
         for other in others:
-            if other in wound:
-                continue
             one, knot = knots[other]
             one._claims[knot] = f"tied to knot {at} of {first.name}"
     holds = [(node, "fixed") for node in engine.fixedNodes]

@@ -13,7 +13,7 @@ from . import values
 from .laying import curvatureWeights, shape, slopeWeights, unit
 
 # bits of `kind`, plugin/c/include/ancf/model.h
-SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT, ENGINEERING = 1, 2, 4, 8, 16
+SPRING, LUMPED, AXIAL_REDUCED, CURVATURE_EXACT, ENGINEERING, WOUND = 1, 2, 4, 8, 16, 32
 
 # Bit of groupMask that all bodies of elements have: the collider leaves their pairs out, which the
 # CableEngine finds itself.
@@ -615,14 +615,15 @@ class Structure:
 
     def _node(self, knot):
         """Number in the engine of what stands for a knot; ValueError for one that is on a drum."""
-        number = self._first[0] + knot
-        node = self.engine.tied(number)
-        if self._stored is not None and node != number and node in self.engine.winchExits:
-            if number in self.engine.winchNodes:
-                raise ValueError(
-                    f"{self.name}: knot {knot} is wound on the drum of a winch: pay it out first"
-                )
-        return node
+        if self._wound(knot):
+            raise ValueError(
+                f"{self.name}: knot {knot} is wound on the drum of a winch: pay it out first"
+            )
+        return self.engine.tied(self._first[0] + knot)
+
+    def _wound(self, knot):
+        """Whether it is on a drum."""
+        return self._stored is not None and self.engine.wound(self._first[0] + knot)
 
     def _mayClaim(self, knot, what):
         """Refuses what does not go with that which holds a knot."""
@@ -828,7 +829,8 @@ class Structure:
 
     def _attach(self, knot, bodyId):
         """The elements that meet at a knot, and those that reach into the body now, never touch the
-        body that it carries or follows. The others do: what lies on it, or winds on it later.
+        body that it carries or follows. The others do: what lies on it, or winds on it later. A
+        cable never touches the body at its drum, into which it is hauled.
         """
         if not self.bodies:
             return
@@ -836,6 +838,8 @@ class Structure:
         members = [bodyId, *body.shape.members.keys()] if body.isClump else [bodyId]
         meets = np.array(self.engine.elementsAt(self._node(knot)), int) - self._first[1]
         meets = meets[(meets >= 0) & (meets < self.elementCount)]
+        if self._stored is not None and knot == self.knot(self._stored[0]):
+            meets = np.arange(self.elementCount)
         state = self._state()
         for member in members:
             for e in np.union1d(meets, self._reaching(O.bodies[member], state)):

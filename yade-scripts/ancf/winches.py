@@ -130,7 +130,7 @@ class Winch:
         to = self._length("payOut", known["most"] if to is None else to, known)
         if callable(speed):
             given = speed
-            speed = lambda t: -given(t)  # noqa: E731
+            speed = lambda t: min(0.0, -given(t))  # noqa: E731
         else:
             speed = -values.positive(f"{self.name}.payOut: speed", speed, "m/s")
             if to <= known["outside"]:

@@ -130,6 +130,9 @@ void ancf_table_destroy(ancf_table* table);
 
 // Empties it. Numbers of what is added count from 0; -1: out of memory.
 void ancf_table_clear(ancf_table* table);
+
+// A node's mass has changed, of a diagonal mass matrix.
+void ancf_table_renew(ancf_table* table, const ancf_model* m, int node);
 int ancf_table_add_place(ancf_table* table, const ancf_model* m, int element, double xi);
 int ancf_table_add_mean(ancf_table* table, const ancf_model* m, int element,
                         const double power[3]);                                           // of several places

@@ -41,7 +41,7 @@ double ancf_mass_of_node(const ancf_model* m, int node);
 // After the length of a spring has changed, where the matrix is diagonal.
 void ancf_mass_refresh(ancf_model* m, int element);
 
-// A node answers as if it had another mass, until that is done [kg].
+// A node answers as if it had another mass, until ancf_mass_refresh [kg].
 void ancf_mass_lend(ancf_model* m, int node, double mass);
 
 // True if the whole matrix is diagonal.

@@ -20,4 +20,7 @@ void ancf_responses_destroy(ancf_responses* responses);
 // left out.
 const ancf_response* ancf_responses_of(ancf_responses* responses, const ancf_model* m, int element);
 
+// A node's mass has changed, of a diagonal mass matrix: so do the responses that were made.
+void ancf_responses_renew(ancf_responses* responses, const ancf_model* m, int node);
+
 #endif
