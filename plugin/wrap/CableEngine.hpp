@@ -233,6 +233,7 @@ class CableEngine : public GlobalEngine {
     void rebuildKnotted();
     bool knotWinch(int winch);
     void checkClaimed(int winch, int node) const;
+    bool bentAroundSomething(int winch, int node) const;
     Real winchWork() const;
     Real winchRate() const;
     Real stableStep(Real strain, int* element) const;

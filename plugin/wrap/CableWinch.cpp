@@ -21,6 +21,7 @@ namespace yade {
 namespace {
     constexpr Real longest = .6, shortestPart = .5; // see CableEngine::knotWinch()
     constexpr Real inStep = .25;                    // part of an element that may pass in a step
+    constexpr Real bentBy = .1;                     // parts of the radius by which the chord may be off, in contact
 
     // What CableEngine.winchNumbers holds of each.
     enum Number {
@@ -409,6 +410,19 @@ Real CableEngine::stableStep(Real strain, int* element) const {
 
 // ---------------------------------------------------------------- nodes that come and go
 
+// Whether contacts push a node out of the chord that will take its place, which would jump into what they are with.
+bool CableEngine::bentAroundSomething(int i, int node) const {
+    Vector3r impulse = Vector3r::Zero();
+    touching.impulseOn(impulse, model.get(), node);
+    if (impulse.isZero(0)) return false;
+    const Row row(winchRows, static_cast<size_t>(i));
+    const int beyond = spools[i].element + row.step, stride = getStride();
+    const Vector3r exit = nodeOf(position.data(), stride, spools[i].node),
+                   chord = nodeOf(position.data(), stride, ends[2 * beyond + 1 - row.near]) - exit,
+                   off = nodeOf(position.data(), stride, node) - exit;
+    return chord.cross(off).norm() > bentBy * touching.view()->cover[beyond].radius * chord.norm();
+}
+
 void CableEngine::checkClaimed(int i, int goes) const {
     const int node = tied(goes);
     const char* claim = has(fixedNodes, node)               ? "is fixed"
@@ -420,6 +434,7 @@ void CableEngine::checkClaimed(int i, int goes) const {
     for (const Pulls& one : pulls)
         for (const auto& [pulled, force] : one.forces)
             if (pulled == node) claim = "is a place of a line";
+    if (bentAroundSomething(i, node)) claim = "is bent around what it touches";
     if (claim)
         refuse(text("at iteration ", scene->iter, " node ", goes, " comes to the drum of winch ", i, " and ", claim,
                     ": haul(to=) at least ", spools[i].beyond, " m, or release it before"));
