@@ -123,7 +123,7 @@ def build(nudge, close=False, **assumed):
 def closingLine(net, diameter):
     """From the first bullet through the rings of the rim and back to it."""
     return ancf.Line(
-        [(net, knot) for knot in [*net.rim, net.rim[0]]],
+        [(net, knot) for knot in [*net.rim[::2], net.rim[0]]],
         diameter=diameter,
         material="cable",
         length=(1 + LINE["slack"]) * AROUND,

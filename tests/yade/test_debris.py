@@ -1,4 +1,4 @@
-"""Scenes of nets and grains in their short forms: forces, momenta, energies, grains lost."""
+"""Scripts in their short forms: forces, momenta, energies, grains lost."""
 
 import pathlib
 import sys
@@ -87,3 +87,15 @@ def test_geogrid_is_pulled_out(scene):
     assert len(runs) == 2
     for run in runs.values():
         assert 0 < run.late < 2 * geogrid.FRICTION * run.above
+
+
+def test_mine_hoist(scene):
+    """hoist.py: tension, stopping way, frequency and stretch against theory."""
+    import hoist
+
+    run, out = hoist.study(quick=True)
+    assert not out.failed
+    assert out.values["tension in trips / law, most"] < 1.01
+    assert out.values["stretch / theory"] == pytest.approx(1, abs=2e-3)
+    assert out.values["frequency / theory"] == pytest.approx(1, abs=2e-3)
+    assert run.winch.length == pytest.approx(run.stopped[1], abs=1e-9)
