@@ -184,25 +184,30 @@ ANCF_CLONES static void move_seam(ancf_model* m, const ancf_seam* s, const mover
     for (int k = 0; k < 2 && place[k] >= 0; ++k) move_places(m, by, place[k], place[k] + 1);
 }
 
-// Moves what waits for tile t: now if all of its tiles are from `from` on, or else when all have been computed.
-static void finish(ancf_model* m, const mover* by, int t, int from, bool late) {
-    const ancf_tile* of = &m->tile[t];
-    for (int k = of->knots; k < of[1].knots; ++k)
-        if ((m->knots[k].first < from) == late) move_knots(m, &m->knots[k], by);
-    for (int k = of->seam; k < of[1].seam; ++k)
-        if ((m->seam[k].first < from) == late) move_seam(m, &m->seam[k], by);
+// First tile of the thread that computes tile t.
+static int run_of(const ancf_model* m, int t, int threads) {
+    const int thread = (int)(((t + 1L) * threads - 1) / m->n_tiles);
+    return ancf_share(m->n_tiles, thread, threads);
 }
 
-// One of `threads`: a run of tiles each. No sum depends on their number.
+// One of `threads`: a run of tiles each, and what waits for these alone; when all have been computed, its part of what
+// waits for those of several. No sum depends on their number.
 static void pass(ancf_model* m, const mover* by, int thread, int threads) {
     const int begin = ancf_share(m->n_tiles, thread, threads), end = ancf_share(m->n_tiles, thread + 1, threads);
     for (int t = begin; t < end; ++t) {
-        advance_tile(m, &m->tile[t], *by);
-        finish(m, by, t, begin, false);
+        const ancf_tile* of = &m->tile[t];
+        advance_tile(m, of, *by);
+        for (int k = of->knots; k < of[1].knots; ++k)
+            if (m->knots[k].first >= begin) move_knots(m, &m->knots[k], by);
+        for (int k = of->seam; k < of[1].seam; ++k)
+            if (m->seam[k].first >= begin) move_seam(m, &m->seam[k], by);
     }
     if (threads == 1) return;
 #pragma omp barrier
-    for (int t = begin; t < end; ++t) finish(m, by, t, begin, true);
+    for (int k = ancf_share(m->n_knots, thread, threads); k < ancf_share(m->n_knots, thread + 1, threads); ++k)
+        if (m->knots[k].first < run_of(m, m->knots[k].last, threads)) move_knots(m, &m->knots[k], by);
+    for (int k = ancf_share(m->n_seams, thread, threads); k < ancf_share(m->n_seams, thread + 1, threads); ++k)
+        if (m->seam[k].first < run_of(m, m->seam[k].last, threads)) move_seam(m, &m->seam[k], by);
 }
 
 // Everything at once, from m->a.
