@@ -101,7 +101,7 @@ class Mission:
         )
         self.net.addBullets(angle=np.radians(ANGLE), **BULLETS)
         self.around = 4 * MESHES * MESH_LENGTH
-        rings = [*self.net.rim, self.net.rim[0]]  # from a bullet and back to it
+        rings = [*self.net.rim[::2], self.net.rim[0]]  # from a bullet and back to it
         self.line = ancf.Line(
             [(self.net, knot) for knot in rings],
             diameter=DIAMETER,

@@ -8,13 +8,16 @@
 #include <string.h>
 
 enum {
-    PIECES_MAX = 16, // of the second cable
-    LEAST_PARTS = 2, // for which a least distance is made of those of chords
-    SPLITS_MAX = 2,  // of half a segment, in search of another minimum
-    SPLITS_MOST = 8, // where there may be several
+    PIECES_MAX = 16,   // of the second cable
+    LEAST_PARTS = 2,   // for which a least distance is made of those of chords
+    SPLITS_MAX = 2,    // of half a segment, in search of another minimum
+    SPLITS_MOST = 8,   // where there may be several
+    SPLITS_BESIDE = 6, // beside a minimum that was found
     NEWTON_MAX = 16,
     ROOT_MAX = 100,
 };
+
+static const double fineness = 1e-3; // part of the radius by which a deeper place may be overlooked
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -114,6 +117,7 @@ typedef struct {
     const ancf_solid* solid;
     const strand* other;
     bool convex;   // the distance from it is a convex function of the point
+    double fine;   // by which another minimum of a convex solid has to be deeper to count [m]; 0: only one is sought
     double detail; // size of what else makes minima [m]
     double speed;  // at least |r'| [m]
     double bend;   // at least |r''| [m]
@@ -123,6 +127,7 @@ typedef struct {
 typedef struct {
     double t, value, slope; // slope: d value / dt
     double other;           // parameter of the other curve
+    int part;               // of a box: face, edge or corner that is nearest; else 0
 } spot;
 
 static spot nearest_of(const strand* s, const double point[3]);
@@ -130,10 +135,12 @@ static spot nearest_of(const strand* s, const double point[3]);
 // ancf_solid_distance in the box's own axes.
 static void box_probe(spot* s, const double size[3], const double r[3], const double d[3]) {
     double out[3], along[3], square = 0.0, rate = 0.0;
+    s->part = 0;
     for (int k = 0; k < 3; k++) {
         out[k] = fabs(r[k]) - size[k];
         along[k] = r[k] < 0.0 ? -d[k] : d[k];
         const double over = higher(out[k], 0.0);
+        s->part = 3 * s->part + (over > 0.0 ? (r[k] < 0.0 ? 1 : 2) : 0);
         square += over * over;
         rate += over * along[k];
     }
@@ -145,6 +152,7 @@ static void box_probe(spot* s, const double size[3], const double r[3], const do
     const int up = out[0] > out[1] ? 0 : 1, face = out[2] > out[up] ? 2 : up;
     s->value = out[face];
     s->slope = along[face];
+    s->part = 27 + 2 * face + (r[face] < 0.0);
 }
 
 static spot probe(const field* f, double t) {
@@ -221,38 +229,52 @@ static spot valley(const field* f, spot a, spot b) {
 static double floor_of(const field* f, const spot* a, const spot* b) {
     const double x = b->t - a->t, lipschitz = 0.5 * (a->value + b->value - f->speed * x);
     if (!f->convex) return lipschitz;
-    const double drop = 0.5 * f->bend * x * x;
-    const double from_a = a->value + lower(0.0, a->slope * x - drop),
-                 from_b = b->value + lower(0.0, -b->slope * x - drop);
-    return higher(lipschitz, higher(from_a, from_b));
+    // Above a + a' u - r''/2 u^2, and the same from b: the larger one is least where they meet, or at an end.
+    const double ends = lower(a->value, b->value), rise = b->slope - a->slope + f->bend * x,
+                 u = a->value - b->value + b->slope * x + 0.5 * f->bend * x * x;
+    if (!(u > 0.0 && u < rise * x)) return ends;
+    const double meet = u / rise;
+    return higher(lipschitz, lower(ends, a->value + meet * (a->slope - 0.5 * f->bend * meet)));
 }
 
 // Whether a field may have several minima within x.
 ANCF_INLINE bool several(const field* f, double x) { return f->bend * x > 0.4 * f->speed || f->speed * x > f->detail; }
 
-static void explore(spot* best, const field* f, const spot* a, const spot* b, double limit, int splits) {
+// little: by which a minimum has to be deeper than the best one so far, to count [m]; 0: beside those that are found
+// deeper ones are looked for.
+static void explore(spot* best, const field* f, const spot* a, const spot* b, double limit, int splits, double little) {
     const double x = b->t - a->t;
-    if (!(floor_of(f, a, b) < lower(limit, best->value - 1e-9 * f->speed * x))) return;
+    if (!(floor_of(f, a, b) < lower(limit, best->value - higher(little, 1e-9 * f->speed * x)))) return;
     const bool turns = a->slope * x < -f->margin && b->slope * x > f->margin;
     // A groove has two walls.
     const bool bent = several(f, x) || (f->to == TO_SOLID && !f->convex && splits > 1);
     if (turns && (!bent || splits == 0)) {
-        const spot s = valley(f, *a, *b);
+        spot s = valley(f, *a, *b);
         if (s.value <= best->value + f->margin) *best = s;
+        // A cable that arches over a face lies on two edges, and there are corners.
+        const bool same = f->to == TO_BOX && a->part == b->part && s.part == a->part;
+        const int more = little == 0.0 ? SPLITS_BESIDE : splits - 1;
+        if (!(f->fine > 0.0) || same || more < 0) return;
+        s.slope = 0.0;
+        explore(best, f, a, &s, limit, more, f->fine);
+        explore(best, f, &s, b, limit, more, f->fine);
         return;
     }
     if (splits == 0) return;
     const spot middle = probe(f, a->t + 0.5 * x);
-    if (middle.value < best->value - f->margin) *best = middle;
-    explore(best, f, a, &middle, limit, splits - 1);
-    explore(best, f, &middle, b, limit, splits - 1);
+    if (middle.value < best->value - f->margin) {
+        *best = middle;
+        little = lower(little, DBL_MIN); // it is this valley
+    }
+    explore(best, f, a, &middle, limit, splits - 1, little);
+    explore(best, f, &middle, b, limit, splits - 1, little);
 }
 
 // Until no part has several minima. Seldom needed, and so by itself.
 __attribute__((noinline, cold)) static void explore_deeper(spot* best, const field* f, const spot* a, const spot* b,
                                                            double limit, int splits) {
     for (double x = ldexp(b->t - a->t, -splits); splits < SPLITS_MOST && several(f, x); x *= 0.5) ++splits;
-    explore(best, f, a, b, limit, splits);
+    explore(best, f, a, b, limit, splits, 0.0);
 }
 
 // Smallest value between two spots. What ties to rounding is held in the middle.
@@ -267,8 +289,8 @@ static spot search(const field* f, const spot* a, const spot* b, double limit, i
         explore_deeper(&best, f, &middle, b, limit, splits);
         return best;
     }
-    explore(&best, f, a, &middle, limit, splits);
-    explore(&best, f, &middle, b, limit, splits);
+    explore(&best, f, a, &middle, limit, splits, 0.0);
+    explore(&best, f, &middle, b, limit, splits, 0.0);
     return best;
 }
 
@@ -512,6 +534,7 @@ int ancf_nearest_solid(ancf_nearest* found, const ancf_cubic* cable, int segment
     if (!(cheap_bound(cable, solid) < limit)) return 0;
     static const double origin[3] = {0.0, 0.0, 0.0};
     field f = {.to = TO_SOLID, .solid = solid, .cubic = expand(cable, origin), .convex = solid->kind != ANCF_WHEEL};
+    f.fine = f.convex ? fineness * radius : 0.0;
     f.detail = f.convex ? INFINITY : solid->groove->floor + solid->groove->fillet;
     f.speed = speed_of(cable);
     f.bend = bend_of(&f.cubic);
