@@ -260,7 +260,10 @@ static void explore(spot* best, const field* f, const spot* a, const spot* b, do
         explore(best, f, &s, b, limit, more, f->fine);
         return;
     }
-    if (splits == 0) return;
+    if (splits == 0) {
+        if (little == 0.0 && f->fine > 0.0) explore(best, f, a, b, limit, SPLITS_BESIDE, f->fine);
+        return;
+    }
     const spot middle = probe(f, a->t + 0.5 * x);
     if (middle.value < best->value - f->margin) {
         *best = middle;

@@ -454,6 +454,37 @@ static void wild_cables_on_cables(void** state) {
     assert_true(t.places > 3000 && t.off <= 2 && t.most < 0.05);
 }
 
+// Arcs over the rims of plates, which they touch at two edges or a corner: the deeper place, but for what is allowed.
+static void cables_over_rims(void** state) {
+    (void)state;
+    const double radius = 0.01;
+    tally t = {0};
+    uint64_t seed = 6;
+    for (int i = 0; i < 20000; i++) {
+        ancf_solid s = random_solid(i % 4 ? ANCF_BOX : ANCF_TRIANGLE, &seed);
+        double rim[3];
+        for (int k = 0; k < 3; k++)
+            s.size[k] = k ? random_between(&seed, 0.2, 1.0) : random_magnitude(&seed, 0.01, 0.2);
+        for (int k = 0; k < 3; k++) {
+            rim[k] = 0.5 * (s.corner[0][k] + s.corner[1 + i % 2][k]);
+            if (s.kind == ANCF_BOX) {
+                rim[k] = s.center[k];
+                for (int j = 1; j < 3; j++)
+                    rim[k] +=
+                        s.axis[j][k] * s.size[j] * (j == 1 || i % 8 == 1 ? 1.0 : random_between(&seed, -1.0, 1.0));
+            }
+        }
+        ancf_cubic c = random_arc(&seed, 0.0, 1.0, 1.0);
+        double middle[3], off[3];
+        ancf_cubic_at(middle, &c, 0.5);
+        for (int k = 0; k < 3; k++) off[k] = rim[k] - middle[k] + random_between(&seed, -1.0, 1.0) * 2.0 * radius;
+        for (int j = 0; j < 4; j++)
+            for (int k = 0; k < 3; k++) c.control[j][k] += off[k];
+        check_solid(&t, &c, 1 + i % 5, radius, &s, radius);
+    }
+    assert_true(t.places > 50000 && t.off <= 5 && t.most < 1e-3 * radius);
+}
+
 // Chord of a sphere, two lines askew, and a line beside a box: in closed form.
 static void straight_lines(void** state) {
     (void)state;
@@ -726,6 +757,7 @@ int main(void) {
         cmocka_unit_test(wild_cables_on_solids),
         cmocka_unit_test(cables_on_one_without_length),
         cmocka_unit_test(cables_across_narrow_grooves),
+        cmocka_unit_test(cables_over_rims),
         cmocka_unit_test(cables_on_cables),
         cmocka_unit_test(wild_cables_on_cables),
         cmocka_unit_test(straight_lines),
