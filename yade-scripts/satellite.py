@@ -182,7 +182,7 @@ class Mission:
                 self.capture.sample()
                 self.sample()
                 self.command()
-            if film and i % (4 if near else 100) == 0:
+            if film and i % (4 if near else 50) == 0:
                 film.take()
             if closer and times and O.time >= times[0]:
                 closer.take()
@@ -271,7 +271,7 @@ def main():
     if pictures:
         mission.plot(args.out / "mission.png")
         closer.strip(args.out / "strip.png", STRIP, cell=(420, 420))
-        print("film                ", film.animate(args.out / "mission.mp4", slower=1.0))
+        print("film                ", film.animate(args.out / "mission.mp4", follow=True))
     return 0 if good else 1
 
 

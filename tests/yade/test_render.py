@@ -198,6 +198,30 @@ def test_film(net, tmp_path, name):
     assert len({f.tobytes() for f in frames}) == 3
 
 
+def test_film_that_follows_what_flies_far(tmp_path):
+    """A ball that flies a thousand radii is as large as at the start, and in the middle; else a speck."""
+    O.reset()
+    ball = O.bodies.append(utils.sphere((0, 0, 0), 0.1, color=(1, 0, 0)))
+    film = Film([], {ball: "#c00000"})
+    for x in (0, 50, 100):
+        O.bodies[ball].state.pos = (x, 0, 0)
+        film.take()
+
+    def shown(follow):
+        film.animate(tmp_path / "far.mp4", follow=follow)
+        red = [
+            (f[:, :, 0] > 100) & (f[:, :, 1] < 60) for f in framesOf(tmp_path / "far.mp4", tmp_path)
+        ]
+        return [r.sum() for r in red], [np.argwhere(r).mean(axis=0) for r in red if r.any()]
+
+    sizes, middles = shown(True)
+    assert min(sizes) > 20000 and max(sizes) < 1.05 * min(sizes)
+    assert np.ptp(middles, axis=0).max() < 2
+    assert max(shown(False)[0]) < 100
+    with pytest.raises(ValueError, match="view.focus = .*must be None with follow=True"):
+        film.animate(tmp_path / "far.mp4", view=View(focus=(0, 0, 0)), follow=True)
+
+
 def framesOf(path, folder):
     """Frames of a film as pictures."""
     if path.suffix == ".gif":

@@ -625,17 +625,23 @@ class Film:
         frames = [self.nearest(t) for t in times]
         sheet(path, [frames], view, [f"{f.time:.2f} s" for f in frames], cell=cell)
 
-    def animate(self, path, fps=25, view=View(), slower=1.0, size=(960, 540)):
+    def animate(self, path, fps=25, view=View(), slower=1.0, size=(960, 540), follow=False):
         """Writes all pictures as a film, .mp4 or .gif, by ffmpeg. Returns the file's name.
 
         slower: only told in the picture, how much slower than real time the film runs. size: even
-        numbers of pixels. RuntimeError where ffmpeg or Xvfb is not installed, or cannot write the
-        file.
+        numbers of pixels. follow: the eye goes along with the middle of all that is shown, for what
+        flies far. ValueError if that is to be at view.focus; RuntimeError where ffmpeg or Xvfb is not
+        installed, or cannot write the file.
         """
         path = str(path)
+        if follow and view.focus is not None:
+            values.refuse("Film.animate: view.focus", view.focus, "must be None with follow=True")
         colors = _tensionColors(self.frames, view)
         note = f", {slower:g} times slower" if slower != 1 else ""
-        points, radii = (np.concatenate(q) for q in zip(*(f.extent() for f in self.frames)))
+        extents = [f.extent() for f in self.frames]
+        ways = [0.5 * (p.min(axis=0) + p.max(axis=0)) if follow else 0.0 for p, _ in extents]
+        points = np.concatenate([p - way for (p, _), way in zip(extents, ways)])
+        radii = np.concatenate([r for _, r in extents])
         cell = (size[0] - BAR, size[1]) if colors is not None else tuple(size)
         eye, middle = view.place(points, radii, cell[0] / cell[1])
         with contextlib.ExitStack() as opened:
@@ -643,8 +649,8 @@ class Film:
             write = opened.enter_context(_encoder(path, size, fps))
             if colors is not None:
                 _addBar(made.bar, colors)
-            for frame in self.frames:
-                _draw(made.cells[0], frame, view, eye, middle, cell, colors)
+            for frame, way in zip(self.frames, ways):
+                _draw(made.cells[0], frame, view, eye + way, middle + way, cell, colors)
                 _addText(made.cells[0], f"{frame.time:.2f} s{note}", 0.02, 0.95)
                 write(made.pixels().tobytes())
         return path
