@@ -150,7 +150,7 @@ def sensitivities(parameters, success, file):
 
 def options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--runs", type=int, default=10000)
+    parser.add_argument("--runs", type=int, default=300, help="captures, %(default)s")
     parser.add_argument("--workers", type=int, default=2, help="processes on this machine")
     parser.add_argument("--scheduler", help="take the workers of this Dask scheduler instead")
     parser.add_argument("--quick", action="store_true", help="24 captures, anew")
