@@ -124,8 +124,8 @@ namespace {
     }
 } // namespace
 
-// A body could have been erased, and its number or shape be another's. No more than `most` elements; the next call looks
-// at those behind them.
+// A body could have been erased, and its number or shape be another's. Looks at no more than `most` elements; those
+// behind them come in the next call.
 void CableEngine::checkBodies(size_t most) const {
     const Scene& s = theScene();
     const auto size = static_cast<Body::id_t>(s.bodies->size());
