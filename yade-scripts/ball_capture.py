@@ -55,7 +55,7 @@ LINE = dict(  # with --close; by a winch in one of the bullets
     speed=4.0,  # of the winch [m/s]
     force=10.0,  # at most [N]
     left=0.15,  # of the rim's length, at which it stops [-]
-    step=0.5,  # part of O.dt from then on: with all of it, energy is off by 2 % after 2.6 s
+    step=0.5,  # part of O.dt while it is drawn: with all of it, energy is off by 2.6 %
 )
 HELD = 0.9  # share of the ball that a net must enclose to hold it
 MASS = "lumped"
@@ -144,7 +144,7 @@ class Run:
         self.capture = Capture(self.net, self.ball, also=left)
         shown = [self.net, self.line] if close else [self.net]
         self.film = Film(shown, [self.ball]) if pictures else None
-        self.closing = None
+        self.closing = self.drawn = None  # when the line began to be drawn, and was
         self.energy = []
         self.duration, self.title = duration, title
         O.trackEnergy = True
@@ -157,6 +157,9 @@ class Run:
             self.closing = O.time
             self.line.haul(LINE["speed"], LINE["force"], to=LINE["left"] * AROUND)
             O.dt *= LINE["step"]
+        if self.closing is not None and self.drawn is None and self.line.winch() == "stopped":
+            self.drawn = O.time
+            O.dt /= LINE["step"]
         if self.film and len(self.energy) % FILM_EVERY:
             self.film.take()
 
@@ -229,9 +232,8 @@ class Run:
         print(f"largest tension      {row['tension_most_N']:.1f} N")
         if self.line:
             drawn = f"{self.line.tensions.max():.1f} N, {self.line.length:.2f} m left"
-            print(
-                f"closing line         drawn from {self.closing or 0:.3f} s; {drawn}, {self.line.winch()}"
-            )
+            times = f"from {self.closing or 0:.3f} to {self.drawn or self.duration:.3f} s"
+            print(f"closing line         drawn {times}; {drawn}, {self.line.winch()}")
         print(f"given to the ball    {row['momentum_end_Ns']:.3f} N s")
         print(
             f"deepest penetration  {self.penetration:.3g} m of {ASSUMED['diameter']:g} m diameter"

@@ -7,7 +7,7 @@ import pytest
 
 import random_lines  # first: sets the number of threads
 import ancf
-from helpers import bodyEngines, material
+from helpers import bodyEngines, material, squareNet
 from outcomes import FAULTS
 from yade import O, Quaternion, Vector3, utils
 
@@ -555,3 +555,27 @@ def test_two_lines_keep_apart():
     assert first.engine is not None and first.engine.line != second.engine.line
     assert len(first.tensions) == 12 and len(second.tensions) == 2
     assert [line.length for line in ancf.lines()] == [first.length, second.length]
+
+
+@pytest.mark.parametrize("every, elements, closes", [(1, 1, False), (1, 2, True), (2, 1, True)])
+def test_a_closing_line_folds_the_rim_where_it_can(every, elements, closes):
+    """A single element between two rings holds them apart; rings at every other knot let the rim fold, and so do two
+    elements (guide/closing.rst)."""
+    O.reset()
+    material("cable")
+    net = squareNet(4, 0.08, elements=elements, mass="lumped", damping=5e-5)
+    net.addBullets(mass=0.05, radius=0.01, speed=1e-9, angle=0)
+    around = 16 * 0.08
+    line = ancf.Line(
+        [(net, knot) for knot in [*net.rim[::every], net.rim[0]]],
+        diameter=1e-3,
+        material="cable",
+        length=1.02 * around,
+    )
+    O.engines = ancf.engines(net, line)
+    O.dt *= 0.5
+    line.haul(4, 10, to=0.15 * around)
+    while O.time < 0.4 and line.winch() != "stopped":
+        O.step()
+    assert (line.winch() == "stopped") == closes
+    assert closes or (line.winch() == "strains" and line.length > 0.5 * around)
