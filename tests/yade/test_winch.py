@@ -7,6 +7,7 @@ import pytest
 
 import ancf
 from helpers import array, ball, material, steps
+from tethers import cord, runFor, tether
 from yade import O, Vector3
 
 G = 9.81
@@ -19,21 +20,6 @@ def scene():
     material("cord", young=2e9, density=1000)
 
 
-def tether(points, stored=5.0, end=0, parts=20, damping=2e-5, **options):
-    """A cable on a winch: 3 mm, EA = 14.1 kN, 7.07 g/m, as laid with so many elements outside."""
-    cable = ancf.Cable(
-        points,
-        midPoints=parts - 1,
-        model="springs",
-        diameter=3e-3,
-        material="cord",
-        damping=damping,
-        contactPoints=0,
-        **options,
-    )
-    return cable, ancf.Winch(cable, stored, end)
-
-
 def hanging(mass=0.5, **options):
     """5 m with a weight below, on a winch that stands; at rest."""
     cable, winch = tether([(0, 0, 0), (0, 0, -5)], **options)
@@ -42,10 +28,6 @@ def hanging(mass=0.5, **options):
     O.engines = ancf.engines(cable, gravity=(0, 0, -G))
     cable.relax()
     return cable, winch
-
-
-def runFor(time):
-    steps(round(time / O.dt))
 
 
 def test_tension_while_it_is_paid_out_and_hauled_in():
@@ -290,14 +272,7 @@ def test_a_speed_of_time_is_not_saved(tmp_path):
 
 def test_what_is_outside_touches():
     """The end comes down on a ball; what is wound lies within another and meets nothing."""
-    cable = ancf.Cable(
-        [(0, 0, 0), (0, 0, -1)],
-        midPoints=9,
-        model="springs",
-        diameter=3e-3,
-        material="cord",
-        damping=2e-5,
-    )
+    cable = cord([(0, 0, 0), (0, 0, -1)], 10)
     winch = ancf.Winch(cable, 2)
     ball((0, 0, 0.02), 0.04, material="cord", mask=2)  # around the drum, but in the way of nothing
     cable.fix(0)

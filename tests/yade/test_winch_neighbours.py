@@ -7,6 +7,7 @@ import pytest
 
 import ancf
 from helpers import array, ball, material, momenta, steps
+from tethers import cord, runFor, tether
 from yade import O, Vector3
 
 G = 9.81
@@ -19,28 +20,12 @@ def scene():
     material("cord", young=2e9, density=1000)
 
 
-def tether(length=5.0, stored=5.0, parts=20, damping=2e-5, contactPoints=0, winch=(), **options):
-    """A cable down from the origin on a winch: 3 mm, EA = 14.1 kN, 7.07 g/m."""
-    cable = ancf.Cable(
-        [(0, 0, 0), (0, 0, -length)],
-        midPoints=parts - 1,
-        model="springs",
-        diameter=3e-3,
-        material="cord",
-        damping=damping,
-        contactPoints=contactPoints,
-        **options,
-    )
-    return cable, ancf.Winch(cable, stored, **dict(winch))
-
-
-def runFor(time):
-    steps(round(time / O.dt))
+DOWN = [(0, 0, 0), (0, 0, -5)]
 
 
 def hit(speed, offset=0.0, substeps=1):
     """Two free bodies at a cable, the upper at its drum, beside which a ball hits it. Returns winch and ball."""
-    cable, winch = tether(contactPoints=2)
+    cable, winch = tether(DOWN, contactPoints=2)
     chaser = ball((0, 0, 0), 0.1, mass=2, material="cord", mask=2)
     cable.carry(0, chaser)
     cable.carry(1, ball((0, 0, -5), 0.1, mass=1, material="cord", mask=2))
@@ -80,7 +65,7 @@ def test_a_cable_bent_around_a_ball_is_not_wound():
 
 def test_hauled_in_to_a_body_off_its_centre():
     """The last element joins the drum and a coupling: momentum in all that time."""
-    cable, winch = tether(length=2, stored=1, parts=8)
+    cable, winch = tether([(0, 0, 0), (0, 0, -2)], stored=1, parts=8)
     cable.carry(0, ball((0, 0, 0), 0.1, mass=2, material="cord", mask=2))
     target = ball((0, 0.05, -2.1), 0.12, mass=1, material="cord", mask=2)
     cable.carry(1, target, at=(0, -0.05, 0.1))
@@ -99,12 +84,10 @@ def test_hauled_in_to_a_body_off_its_centre():
 
 def test_readings_while_nodes_come():
     """A node that comes to one cable changes nothing that is read of another, nor of a contact."""
-    cable, winch = tether()
+    cable, winch = tether(DOWN)
     cable.fix(0)
     cable.carry(1, ball((0, 0, -5), 0.05, mass=0.5, material="cord", mask=2))
-    other = ancf.Cable(
-        [(1, -0.5, 0), (1, 0.5, 0)], midPoints=9, model="springs", diameter=3e-3, material="cord"
-    )
+    other = cord([(1, -0.5, 0), (1, 0.5, 0)], 10, damping=0)
     other.fix(0)
     other.fix(1)
     ball((1, 0, -0.1), 0.0985, material="cord")
@@ -126,14 +109,7 @@ def test_readings_while_nodes_come():
 
 def test_a_wound_knot_is_free_again_when_it_is_out(tmp_path):
     """Also over a save: nothing says 'tied' of it."""
-    cable = ancf.Cable(
-        [(0, 0, 0), (0, 0, -2), (0, 0, -5)],
-        midPoints=9,
-        model="springs",
-        diameter=3e-3,
-        material="cord",
-        damping=2e-5,
-    )
+    cable = cord([(0, 0, 0), (0, 0, -2), (0, 0, -5)], 10)
     winch = ancf.Winch(cable, 5)
     cable.fix(0)
     O.engines = ancf.engines(cable, gravity=(0, 0, -G))
@@ -157,14 +133,7 @@ def test_a_wound_knot_is_free_again_when_it_is_out(tmp_path):
 
 def test_uneven_elements_stay_stable():
     """The step is that of the shortest that will be at the drum, as short as it becomes there."""
-    cable = ancf.Cable(
-        [(0, 0, 0), (0, 0, -2), (0, 0, -2.2), (0, 0, -4)],
-        midPoints=4,
-        model="springs",
-        diameter=3e-3,
-        material="cord",
-        damping=2e-5,
-    )
+    cable = cord([(0, 0, 0), (0, 0, -2), (0, 0, -2.2), (0, 0, -4)], 5)
     winch = ancf.Winch(cable, 2)
     cable.fix(0)
     cable.carry(3, ball((0, 0, -4), 0.05, mass=0.5, material="cord", mask=2))
@@ -180,18 +149,10 @@ def test_uneven_elements_stay_stable():
 
 def test_what_is_tied_is_not_wound():
     """Whichever of the two stands for the other."""
-    cable = ancf.Cable(
-        [(0, 0, 0), (0, 0, -1), (0, 0, -2)],
-        midPoints=3,
-        model="springs",
-        diameter=3e-3,
-        material="cord",
-    )
+    cable = cord([(0, 0, 0), (0, 0, -1), (0, 0, -2)], 4, damping=0)
     winch = ancf.Winch(cable, 1)
     cable.fix(0)
-    side = ancf.Cable(
-        [(0, 0, -1), (1, 0, -1)], midPoints=3, model="springs", diameter=3e-3, material="cord"
-    )
+    side = cord([(0, 0, -1), (1, 0, -1)], 4, damping=0)
     side.tie(0, cable, 1)
     O.engines = ancf.engines(side, cable, gravity=(0, 0, -G))
     winch.haul(2, force=1e3)
@@ -202,7 +163,7 @@ def test_what_is_tied_is_not_wound():
 
 def test_hauled_in_to_a_body_that_can_be_touched():
     """The cable never touches the body at its drum: nothing jams, and momentum is kept."""
-    cable, winch = tether(length=2, stored=1, parts=8, contactPoints=2)
+    cable, winch = tether([(0, 0, 0), (0, 0, -2)], stored=1, parts=8, contactPoints=2)
     chaser = ball((0, 0, 0), 0.1, mass=20, material="cord")
     cable.carry(0, chaser)
     cable.carry(1, ball((0, 0, -2), 0.05, mass=1, material="cord"))
@@ -219,7 +180,7 @@ def test_hauled_in_to_a_body_that_can_be_touched():
 
 def test_relax_while_it_is_paid_out():
     """A winch that runs stands still for it: the tension is the weight of what hangs."""
-    cable, winch = tether(damping=2e-4)
+    cable, winch = tether(DOWN, damping=2e-4)
     cable.fix(0)
     cable.carry(1, ball((0, 0, -5), 0.05, mass=0.5, material="cord", mask=2))
     O.engines = ancf.engines(cable, gravity=(0, 0, -G))
@@ -234,7 +195,7 @@ def test_relax_while_it_is_paid_out():
 
 
 def test_a_speed_that_is_refused_leaves_all_as_it_was():
-    cable, winch = tether()
+    cable, winch = tether(DOWN)
     cable.fix(0)
     cable.carry(1, ball((0, 0, -5), 0.05, mass=0.5, material="cord"))
     O.engines = ancf.engines(cable, gravity=(0, 0, -G))
@@ -252,10 +213,8 @@ def test_a_speed_that_is_refused_leaves_all_as_it_was():
 
 
 def test_a_node_belongs_to_one_drum():
-    cable, winch = tether(length=0.25, parts=1, stored=1)
-    second = ancf.Cable(
-        [(0, 0, 0), (0, 0, 1)], midPoints=3, model="springs", diameter=3e-3, material="cord"
-    )
+    cable, winch = tether([(0, 0, 0), (0, 0, -0.25)], parts=1, stored=1)
+    second = cord([(0, 0, 0), (0, 0, 1)], 4, damping=0)
     ancf.Winch(second, 1)
     cable.tie(0, second, 0)
     with pytest.raises(ValueError, match="is beside the drums of winches 0 and 1"):
@@ -264,10 +223,8 @@ def test_a_node_belongs_to_one_drum():
 
 def test_a_body_is_carried_at_its_centre_once():
     """Two cables at the centre of one body are tied, else each would be its mass."""
-    first, _ = tether()
-    second = ancf.Cable(
-        [(0, 0, 0), (1, 0, 0)], midPoints=3, model="springs", diameter=3e-3, material="cord"
-    )
+    first, _ = tether(DOWN)
+    second = cord([(0, 0, 0), (1, 0, 0)], 4, damping=0)
     chaser = ball((0, 0, 0), 0.1, mass=2, material="cord", mask=2)
     first.carry(0, chaser)
     with pytest.raises(ValueError, match="is carried at its centre"):
@@ -280,7 +237,7 @@ def test_a_drum_with_inertia(inertia):
     """A brake that is too weak: a = (M g - F)/(M + J/r2), with the cable's own mass."""
     radius, force, mass = 0.2, 20.0, 5.0
     O.materials["cord"].young = 2e11  # the weight swings 40 times a second
-    cable, winch = tether(winch=dict(inertia=inertia, radius=radius))
+    cable, winch = tether(DOWN, drum=dict(inertia=inertia, radius=radius))
     cable.fix(0)
     cable.carry(1, ball((0, 0, -5), 0.05, mass=mass, material="cord", mask=2))
     O.engines = ancf.engines(cable, gravity=(0, 0, -G))
@@ -301,7 +258,7 @@ def test_tension_at_an_exit_that_is_led():
     """A hoist that accelerates upwards while it pays out: T = (M + rho A s)(g + a)."""
     O.materials["cord"].young = 2e10
     trolley = ball((0, 0, 0), 0.05, material="cord")
-    cable, winch = tether()
+    cable, winch = tether(DOWN)
     cable.follow(0, trolley)
     cable.carry(1, ball((0, 0, -5), 0.05, mass=0.5, material="cord"))
     O.engines = ancf.engines(cable, gravity=(0, 0, -G))
@@ -323,7 +280,7 @@ def test_tension_at_an_exit_that_is_led():
 
 def test_wound_elements_have_no_bounds():
     """And those that come have them; thousands on a drum cost a step nothing much."""
-    cable, winch = tether(length=1, stored=100, parts=20, contactPoints=2)
+    cable, winch = tether([(0, 0, 0), (0, 0, -1)], stored=100, parts=20, contactPoints=2)
     cable.fix(0)
     O.engines = ancf.engines(cable, gravity=(0, 0, -G))
     winch.payOut(2)
