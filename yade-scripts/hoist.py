@@ -141,13 +141,13 @@ class Hoist:
     def column(self, k):
         return np.array([row[k] for row in self.rows])
 
-    def weight(self, length):
+    def mass(self, length):
         """Mass of the cage and of so much rope [kg]."""
         return CAGE["mass"] + self.line * length
 
     def law(self):
         """Tension of a rope that does not stretch [N]."""
-        return self.weight(self.column(1)) * (GRAVITY + self.column(3))
+        return self.mass(self.column(1)) * (GRAVITY + self.column(3))
 
     def run(self):
         self.lower(self.bottom)
@@ -169,7 +169,7 @@ class Hoist:
     def stoppingWay(self):
         """Rope that runs out until the brake has stopped it, from m v dv/ds = m g - F with m = M + rho A s [m]."""
         at, _, speed = self.stopped
-        heavy = self.weight(at)
+        heavy = self.mass(at)
 
         def left(way):
             more = math.log1p(self.line * way / heavy)
@@ -186,7 +186,7 @@ class Hoist:
     def measuredSwing(self):
         """Frequency of the tension after the emergency stop [Hz], by its zero crossings."""
         time, tension = self.column(0)[self.swung], self.column(2)[self.swung]
-        off = tension - self.weight(self.stopped[1]) * GRAVITY
+        off = tension - self.mass(self.stopped[1]) * GRAVITY
         up = np.nonzero((off[:-1] < 0) & (off[1:] >= 0))[0]
         cross = time[up] - off[up] * (time[up + 1] - time[up]) / (off[up + 1] - off[up])
         return (len(cross) - 1) / (cross[-1] - cross[0])

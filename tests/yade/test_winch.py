@@ -7,17 +7,13 @@ import pytest
 
 import ancf
 from helpers import array, ball, material, steps
-from tethers import cord, runFor, tether
+from tethers import cord, cordScene, runFor, tether  # noqa: F401
 from yade import O, Vector3
 
 G = 9.81
 
 
-@pytest.fixture(autouse=True)
-def scene():
-    O.reset()
-    O.trackEnergy = False
-    material("cord", young=2e9, density=1000)
+pytestmark = pytest.mark.usefixtures("cordScene")
 
 
 def hanging(mass=0.5, **options):

@@ -1,8 +1,18 @@
 """Cables on winches that several tests use."""
 
+import pytest
+
 import ancf
-from helpers import steps
+from helpers import material, steps
 from yade import O
+
+
+@pytest.fixture
+def cordScene():
+    """An empty scene with the material 'cord'."""
+    O.reset()
+    O.trackEnergy = False
+    material("cord", young=2e9, density=1000)
 
 
 def cord(points, parts, damping=2e-5, **options):
