@@ -269,6 +269,11 @@ def run(nudge):
 # ---- the command ---------------------------------------------------------------------------------
 
 
+def heedCtrlC():
+    """What a shell starts in the background ignores it, and so do its processes."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def command(scene, *options):
     """The command, in the scene's folder."""
     return subprocess.Popen(
@@ -279,6 +284,7 @@ def command(scene, *options):
         stderr=subprocess.STDOUT,
         text=True,
         start_new_session=True,
+        preexec_fn=heedCtrlC,
     )
 
 
