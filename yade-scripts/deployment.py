@@ -9,12 +9,12 @@ import argparse
 import csv
 import pathlib
 
-import numpy as np
+from jobs import addOption, insist, runAll  # first: see there
 
 import ancf
 import ball_capture as given
+import numpy as np
 from ancf.capture import HOLD, Capture
-from net_study import insist, runAll
 from yade import O, Vector3, utils
 
 # ---- parameters, SI units; the rest is ball_capture's --------------------------------------------
@@ -170,7 +170,7 @@ def plot(series, grid, file):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="short form")
-    parser.add_argument("--workers", type=int, default=2, help="processes")
+    addOption(parser)
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/deployment"))
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)

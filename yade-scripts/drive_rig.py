@@ -15,7 +15,7 @@ import numpy as np
 
 import ancf
 from ancf import pulleys, render
-from yade import O, Vector3, utils, wrapper
+from yade import O, Vector3, utils
 
 # ---- parameters, SI units ----------------------------------------------------------------------
 LENGTH = 2.0  # of the fibre [m]

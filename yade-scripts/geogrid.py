@@ -2,7 +2,7 @@
 
 Grains fill a box with smooth walls, a grid lies half-way up, and a lid presses on them. The grid's front row is
 drawn out through the front wall at a constant speed. The grid is a net of ANCF cables, or of YADE's GridNode and
-GridConnection of the same ribs. Run it by `/usr/bin/python3 geogrid.py`; --help tells the options. Results go to
+GridConnection of the same ribs, and each lies in several beds, as one bed tells little of the next. Run it by `/usr/bin/python3 geogrid.py`; --help tells the options. Results go to
 out/.
 """
 
@@ -10,10 +10,11 @@ import argparse
 import csv
 import sys
 
-import numpy as np
+from jobs import addOption, runAll  # first: see there
 
 import ancf
 import grains
+import numpy as np
 from yade import O, Vector3, gridpfacet, utils, wrapper
 
 # ---- parameters, SI units ----------------------------------------------------------------------
@@ -31,6 +32,7 @@ GRAIN_DENSITY = 2600  # [kg/m3]
 FRICTION = 0.5  # between grains, and of grains on ribs
 COUNT = 200  # grains below the grid, and as many above
 PRESSURES = (1e3, 4e3)  # of the lid [Pa]
+BEDS = 4  # that differ by chance
 SPEED, WAY = 0.1, 0.015  # of the front row [m/s], [m]
 QUICK_COUNT, QUICK_WAY = 54, 0.003
 DAMPING, STILLING = 0.3, 0.8  # NewtonIntegrator.damping while the bed falls, and comes to rest
@@ -217,20 +219,21 @@ class Grid:
 
 
 class Pullout:
-    """One pull-out and what is measured in it; kind is Cables or Grid."""
+    """One pull-out and what is measured in it; kind is Cables or Grid, bed a number."""
 
-    def __init__(self, kind, pressure, quick=False):
+    def __init__(self, kind, pressure, bed=0, quick=False):
         count, rest = (QUICK_COUNT, QUICK_SETTLE) if quick else (COUNT, SETTLE)
         O.reset()
         materials()
         front, back = walls()
-        low = self.low = bed(0.0, count, 1)
+        low = self.low = grainsIn(0.0, count, (bed, 1))
         settleBed(2 * rest)
         self.grid = kind(grains.places(low)[:, 2].max() + 1.2 * RADIUS + RIB / 2)
-        self.high = bed(grains.places(low)[:, 2].max() + 1.2 * RADIUS + RIB, count, 2)
+        floor = grains.places(low)[:, 2].max() + 1.2 * RADIUS + RIB
+        self.high = grainsIn(floor, count, (bed, 2))
         self.lid = lid(grains.places(self.high)[:, 2].max() + 1.2 * RADIUS, pressure)
         self.above = GRAVITY * (grains.mass(self.high) + O.bodies[self.lid].state.mass)
-        self.pressure, self.walls = pressure, (front, back)
+        self.kind, self.pressure, self.walls = kind, pressure, (front, back)
         if kind is Cables:
             O.engines = self.grid.engines()
         O.dt = self.grid.step()
@@ -277,7 +280,7 @@ class Pullout:
         return float(np.mean(self.wall[2 * len(self.wall) // 3 :]))
 
 
-def bed(low, count, seed):
+def grainsIn(low, count, seed):
     """Loose layers of grains above z = low; returns their ids."""
     rng, pitch = np.random.default_rng(seed), 2.1 * RADIUS * (1 + SPREAD)
     nx, ny = (int(side / pitch) for side in BOX)
@@ -335,35 +338,58 @@ def lid(height, pressure):
     return O.bodies.append(plate)
 
 
-def study(quick=False, shown=None):
-    """Runs all; returns {(name, pressure): Pullout} and the Summary. shown: a picture of the net after the
+def pulled(job):
+    """The Pullout of (kind, pressure, bed, quick, way, picture); picture: where one of the net goes, or None."""
+    kind, pressure, bed, quick, way, shown = job
+    run = Pullout(kind, pressure, bed, quick).run(way)
+    if shown:
+        picture(run, shown)
+    del run.grid  # belongs to the scene, and stays in its process
+    return run
+
+
+def study(quick=False, shown=None, workers=1):
+    """Runs all; returns {(kind, pressure): [Pullout, ...]} and the Summary. shown: a picture of the net after the
     first pull.
     """
-    way, pressures = (QUICK_WAY, PRESSURES[:1]) if quick else (WAY, PRESSURES)
-    out, runs = grains.Summary(), {}
-    for kind in (Cables, Grid):
-        for pressure in pressures:
-            run = Pullout(kind, pressure, quick).run(way)
-            if shown and not runs:
-                picture(run, shown)
-            runs[kind.name, pressure] = run
-            print(f"{kind.name}, lid of {1e-3 * pressure:g} kPa, {run.above:.0f} N above the grid")
-            out.tell("speed of grains before the pull", run.moving, "m/s", most=0.5 * SPEED)
-            out.tell(f"pull, {1e-3 * pressure:g} kPa", run.late, "N", least=0.0)
-            out.tell("over twice the weight above it", run.share, most=FRICTION)
-            out.tell("the walls bear of it", run.wallsBear / run.late)
-            if kind is Cables:
-                off = (run.gained - run.work) / run.turnover
-                out.tell(f"energy, {1e-3 * pressure:g} kPa, off by", off, least=-0.03, most=0.03)
-            run.cost.report("cost of the pull")
-        if quick:
-            continue
-        low, high = (runs[kind.name, p] for p in PRESSURES)
-        trend = high.late / low.late / (high.above / low.above)
-        # YADE's own grid is there to be compared with, not to be judged.
-        bounds = dict(least=0.7, most=1.3) if kind is Cables else {}
-        out.tell("more pull over more weight above", trend, **bounds)
+    way, pressures, beds = (QUICK_WAY, PRESSURES[:1], 1) if quick else (WAY, PRESSURES, BEDS)
+    cases = [(kind, pressure) for kind in (Cables, Grid) for pressure in pressures]
+    jobs = [(*case, bed, quick, way, None) for case in cases for bed in range(beds)]
+    jobs[0] = (*jobs[0][:-1], shown)
+    done, out = runAll(pulled, jobs, workers, "pulls"), grains.Summary()
+    runs = {case: [r for r in done if (r.kind, r.pressure) == case] for case in cases}
+    for (kind, pressure), all_ in runs.items():
+        tell(out, f"{kind.name}, {1e-3 * pressure:g} kPa", kind, all_)
+    if not quick:
+        for kind in (Cables, Grid):
+            low, high = (runs[kind, p] for p in PRESSURES)
+            trends = [b.late / a.late / (b.above / a.above) for a, b in zip(low, high)]
+            print(f"{kind.name}: beds from {min(trends):.2f} to {max(trends):.2f}")
+            # YADE's own grid is there to be compared with, not to be judged.
+            bounds = dict(least=0.7, most=1.3) if kind is Cables else {}
+            out.tell("more pull over more weight above, mean", np.mean(trends), **bounds)
     return runs, out
+
+
+def tell(out, title, kind, runs):
+    """Adds the figures of the beds of one case to a Summary."""
+    pulls, shares = np.array([r.late for r in runs]), [r.share for r in runs]
+    print(f"{title}, {runs[0].above:.0f} N above the grid, {len(runs)} beds")
+    out.tell(
+        "speed of grains before the pull, most",
+        max(r.moving for r in runs),
+        "m/s",
+        most=0.5 * SPEED,
+    )
+    out.tell("pull, mean", pulls.mean(), "N", least=0.0)
+    out.tell("pull, standard deviation", pulls.std(), "N")
+    out.tell("over twice the weight above it, mean", np.mean(shares))
+    out.tell("the same, most", max(shares), most=FRICTION)
+    out.tell("the walls bear of it, mean", np.mean([r.wallsBear / r.late for r in runs]))
+    if kind is Cables:
+        off = max(abs((r.gained - r.work) / r.turnover) for r in runs)
+        out.tell("energy, most off by", off, most=0.03)
+    runs[0].cost.report("cost of a pull")
 
 
 def picture(run, path):
@@ -379,11 +405,15 @@ def plot(runs, path):
     from ancf.plots import plt
 
     figure, ax = plt.subplots(figsize=(6, 3.8), constrained_layout=True)
-    for (name, pressure), run in runs.items():
-        style = dict(color="#1f6fb2" if name == Cables.name else "#d1651a", lw=1.2)
+    for (kind, pressure), all_ in runs.items():
+        style = dict(color="#1f6fb2" if kind is Cables else "#d1651a")
         style["ls"] = "--" if pressure == PRESSURES[0] else "-"
-        label = f"{name}, {1e-3 * pressure:g} kPa"
-        ax.plot(1e3 * np.array(run.way), run.force, label=label, **style)
+        count = min(len(run.way) for run in all_)
+        forces = np.array([run.force[:count] for run in all_])
+        way = 1e3 * np.array(all_[0].way[:count])
+        ax.plot(way, forces.T, lw=0.5, alpha=0.5, **style)
+        label = f"{kind.name}, {1e-3 * pressure:g} kPa"
+        ax.plot(way, forces.mean(axis=0), label=label, lw=1.6, **style)
     ax.set_xlabel("displacement of the front row [mm]")
     ax.set_ylabel("pull [N]")
     ax.legend(fontsize=8)
@@ -395,15 +425,18 @@ def plot(runs, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="smaller and shorter")
+    addOption(parser)
     args = grains.options(parser)
     shown = None if args.no_pictures else args.out / "geogrid_net.png"
-    runs, out = study(args.quick, shown)
+    runs, out = study(args.quick, shown, args.workers)
     with open(args.out / "geogrid.csv", "w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(("grid", "lid_Pa", "displacement_m", "pull_N", "walls_N"))
-        for (name, pressure), run in runs.items():
-            rows = zip(run.way, run.force, run.wall)
-            writer.writerows((name, pressure, *(f"{v:.6g}" for v in row)) for row in rows)
+        writer.writerow(("grid", "lid_Pa", "bed", "displacement_m", "pull_N", "walls_N"))
+        for (kind, pressure), all_ in runs.items():
+            for bed, run in enumerate(all_):
+                rows = zip(run.way, run.force, run.wall)
+                start = (kind.name, pressure, bed)
+                writer.writerows((*start, *(f"{v:.6g}" for v in row)) for row in rows)
     if not args.no_pictures:
         plot(runs, args.out / "geogrid.png")
     return out.code

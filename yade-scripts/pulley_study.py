@@ -10,12 +10,12 @@ import csv
 import itertools
 import math
 import pathlib
-import time
 import warnings
 
-import numpy as np
+from jobs import addOption, runAll  # first: see there
 
 import ancf
+import numpy as np
 from ancf import pulleys
 from yade import O
 
@@ -103,17 +103,15 @@ def average(read, duration):
 
 
 def capstan(**changes):
-    """(T2/T1 as measured, its relative error, microseconds a step)."""
+    """(T2/T1 as measured, its relative error)."""
     p = {**BASE, **changes}
     ratio = (p["slip"] / p["v0"]) ** 2
     mu = p["muKinetic"] + 2 * (p["muStatic"] - p["muKinetic"]) / (1 + ratio)  # Eq. 11
     cable, sheave, _ = scene(1.0, lambda phi: math.exp(0.8 * mu * phi), **p)
     cable.fix(-1)
     turn(cable, sheave, -p["slip"] / RADIUS)
-    begin, step = time.perf_counter(), O.iter
     got = average(lambda: cable.reaction(-1).norm(), p["time"])
-    cost = (time.perf_counter() - begin) / (O.iter - step) * 1e6
-    return got, got / math.exp(mu * math.radians(p["theta"])) - 1, cost
+    return got, got / math.exp(mu * math.radians(p["theta"])) - 1
 
 
 def creep(**changes):
@@ -134,7 +132,7 @@ def creep(**changes):
 
 
 def studies(quick):
-    """Name, function, list of changes."""
+    """Cases: (name of the study, function, changes)."""
     angles, counts = ((30.0, 15.0), (1, 2)) if quick else ((60.0, 30.0, 15.0, 7.5), (1, 2, 4))
     grid = [dict(elementAngle=a, points=k) for a, k in itertools.product(angles, counts)]
     wraps = [
@@ -142,7 +140,7 @@ def studies(quick):
         for t in ((90.0, 180.0) if quick else (90.0, 180.0, 270.0, 540.0))
         for m in (0.1, 0.3, 0.5)
     ]
-    return [
+    all_ = [
         ("elements and points", capstan, grid),
         ("wrap and friction", capstan, wraps),
         ("v_t0, slipping", capstan, [dict(v0=v, muKinetic=0.2) for v in (1e-2, 3e-3, 1e-3)]),
@@ -156,27 +154,37 @@ def studies(quick):
         ("damping of the cable", capstan, [dict(damping=d) for d in (5e-6, 2e-5, 5e-5)]),
         ("EI", capstan, [dict(bending=b) for b in (0.0, 1e-5, 1e-4)]),
     ]
+    return [(name, measure, changes) for name, measure, cases in all_ for changes in cases]
+
+
+def measured(case):
+    """(value, relative error, "") of a case, or (None, None, why there is none)."""
+    name, measure, changes = case
+    warnings.simplefilter("ignore")
+    try:
+        return *measure(**changes), ""
+    except RuntimeError as told:
+        return None, None, str(told)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="coarser and shorter")
+    addOption(parser)
     parser.add_argument("--out", default="out")
     args = parser.parse_args()
     folder = pathlib.Path(args.out)
     folder.mkdir(parents=True, exist_ok=True)
-    warnings.simplefilter("ignore")
-    rows = []
-    for name, measure, cases in studies(args.quick):
-        print(name)
-        for changes in cases:
-            try:
-                value, error, *_ = measure(**changes)
-            except RuntimeError as e:
-                print("   ", changes, str(e)[:100])
-                continue
-            print(f"    {changes}: {value:.5g}, error {100 * error:+.3f} %", flush=True)
-            rows.append((name, changes, value, error))
+    cases, rows = studies(args.quick), []
+    for (name, _, changes), (value, error, why) in zip(
+        cases, runAll(measured, cases, args.workers, "cases")
+    ):
+        print(f"{name}: {changes}: ", end="")
+        if why:
+            print(why)
+            continue
+        print(f"{value:.5g}, error {100 * error:+.3f} %")
+        rows.append((name, changes, value, error))
     with open(folder / "pulley_study.csv", "w", newline="") as f:
         writer = csv.writer(f)
         writer.writerow(("study", "changes", "value", "error"))

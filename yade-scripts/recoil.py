@@ -8,11 +8,12 @@ import argparse
 import pathlib
 from dataclasses import dataclass
 
-import numpy as np
+from jobs import addOption, insist, runAll  # first: see there
 
 import ball_capture as given
+import numpy as np
 from ancf.capture import CLOSED
-from net_study import insist, of, runAll, spread, writeTable
+from net_study import of, spread, writeTable
 from yade import O
 
 # ---- parameters, SI units; the rest is ball_capture's --------------------------------------------
@@ -78,7 +79,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="short form")
     parser.add_argument("--runs", type=int, default=RUNS, help="of each damping")
-    parser.add_argument("--workers", type=int, default=2, help="processes")
+    addOption(parser)
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/recoil"))
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)

@@ -21,8 +21,9 @@ extern "C" {
 namespace yade {
 
 namespace {
+    constexpr Real NONE_YET = -2; // no step before this one is accounted for
     enum Account { ITER, HEIGHT, PRESSED, DAMPED, RUBBED, SLOWED, LIFTED, LOST, WOUND, ACCOUNTS };
-}
+} // namespace
 
 // Energies at the positions that a step starts from: there leapfrog keeps their sum, and NewtonIntegrator counts what
 // its bodies had when they came there. Of what the step does, the next one counts what comes after.
@@ -30,13 +31,18 @@ void CableEngine::noteEnergy() {
     ancf_model* m = model.get();
     if (openAccounts.size() != ACCOUNTS || openAccounts[ITER] != Real(scene->iter - 1)) {
         openAccounts.assign(ACCOUNTS, 0);
+        openAccounts[ITER] = NONE_YET;
         openAccounts[HEIGHT] = heightAt;
-        openAccounts[PRESSED] = touching.energies().elastic;
         openAccounts[WOUND] = winchWork();
     }
     woundAt = winchWork();
     m->damping_work = m->damping_half = 0;
     if (implicit) implicit->lost = 0;
+}
+
+// The first step takes from its own contacts what they stored before it.
+void CableEngine::notePressed() {
+    if (openAccounts[ITER] == NONE_YET) openAccounts[PRESSED] = touching.found();
 }
 
 void CableEngine::trackEnergy() {

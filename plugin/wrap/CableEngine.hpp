@@ -205,6 +205,7 @@ class CableEngine : public GlobalEngine {
     void stepImplicit();
     void measureEnergy(const ancf_time& time);
     void noteEnergy();
+    void notePressed();
     void trackEnergy();
     Real markOfState() const;
     void keepBalance();

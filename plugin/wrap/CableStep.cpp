@@ -285,6 +285,7 @@ void CableEngine::stepExplicit(int inside) {
         clock.passed(StepClock::GATHER);
         touching.solve(*this, time, k, inside);
         if (k == 0) checkFound();
+        if (k == 0 && scene->trackEnergy) notePressed();
         clock.passed(StepClock::CONTACT);
         if (integrator == "rk4") {
             if (touching.displacement())

@@ -85,7 +85,7 @@ def test_geogrid_is_pulled_out(scene):
     runs, out = geogrid.study(quick=True)
     assert not out.failed
     assert len(runs) == 2
-    for run in runs.values():
+    for (run,) in runs.values():
         assert 0 < run.late < 2 * geogrid.FRICTION * run.above
 
 

@@ -155,6 +155,36 @@ def test_energy_given_to_a_free_ball(scene):
     assert engine.energyOff == pytest.approx(O.energy.total() - start, abs=1e-6 * got)
 
 
+def shot():
+    """A cable flies at a fixed ball. Returns its engine."""
+    O.reset()
+    material("cable")
+    ball((0, 0, 0.0215), 0.02, material="cable")
+    cable = line()
+    cable.setVelocity(lambda p: (0, 0, 2))
+    return watched(cable)
+
+
+@pytest.mark.parametrize("loaded", [False, True])
+def test_tracking_that_begins_while_contacts_are_pressed(scene, tmp_path, loaded):
+    """O.energy has all energies from its first step on, also right after O.load."""
+    shot()
+    O.trackEnergy, known = True, []
+    while len(known) < 20 or not known[-1].get("contactElastic", 0) > 1e-4:
+        O.step()
+        known.append(dict(O.energy.items()))
+    engine = shot()
+    steps(len(known) - 1)
+    assert engine.contacts > 0
+    if loaded:
+        O.save(str(tmp_path / "pressed.yade"))
+        O.load(str(tmp_path / "pressed.yade"))
+    O.trackEnergy = True
+    O.step()
+    for name in ("contactElastic", "cableElastic", "cableKinetic", "cableHalfStep"):
+        assert O.energy[name] == pytest.approx(known[-1][name], rel=1e-9), name
+
+
 # ---- stopped -------------------------------------------------------------------------------------
 
 

@@ -150,8 +150,11 @@ class Net(Structure):
 
     def curve(self, k=8):
         """Points on the true curves of all edges, (edges, k elements + 1, 3) numpy [m]."""
-        state = self._state()
-        return np.array([span.curve(k, state) for span in self.spans])
+        k = values.count(f"{self.name}.curve", k, 1)
+        state, layout = self._state(), self._layout
+        points = self._points(state, slice(None), np.arange(k) / k)
+        ends = [layout.ends[run.first + run.count - 1, 1] for run in layout.runs]
+        return np.append(points.reshape(len(ends), -1, 3), state[0][ends][:, None], axis=1)
 
     def maxTension(self):
         """Largest tension now [N], the number of its edge and s on that: (tension, edge, s). Of 8

@@ -348,14 +348,11 @@ class Span:
         k, xi = self._place(s)
         return self._structure._needEngine("strain").strain(self._engineElement(k), xi)
 
-    def curve(self, k=8, state=None):
-        """Points on the cubic curve, k per element and the last end: (k count + 1, 3) numpy [m].
-
-        state: that of the structure, for one who asks for many curves at once.
-        """
+    def curve(self, k=8):
+        """Points on the cubic curve, k per element and the last end: (k count + 1, 3) numpy [m]."""
         structure = self._structure
         k = values.count(f"{structure.name}.curve", k, 1)
-        state = state or structure._state()
+        state = structure._state()
         points = structure._points(state, self._elements, np.arange(k) / k).reshape(-1, 3)
         last = structure._layout.ends[self._elements][-1, 1]
         return np.vstack([points, state[0][last]])
