@@ -133,7 +133,7 @@ class Cost:
     def stop(self):
         """Takes the time, and turns the clocks of the engines off."""
         self.seconds = time.process_time() - self._start
-        self.steps = O.iter - self._steps
+        self.steps, self.dt = O.iter - self._steps, O.dt
         O.timingEnabled = False
         took = [(PARTS[e.__class__.__name__], e.execTime) for e in O.engines if self._known(e)]
         whole = sum(t for _, t in took)
@@ -150,7 +150,7 @@ class Cost:
         return self.seconds / self.steps
 
     def report(self, title="cost"):
-        print(f"{title}: {self.seconds:.1f} s CPU, {self.steps} steps of {O.dt:.3g} s, ", end="")
+        print(f"{title}: {self.seconds:.1f} s CPU, {self.steps} steps of {self.dt:.3g} s, ", end="")
         print(f"{1e3 * self.step:.3f} ms each")
         for name, share in self.shares.items():
             print(f"    {100 * share:4.1f} %  {1e3 * share * self.step:7.3f} ms  {name}")

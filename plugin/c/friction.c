@@ -18,11 +18,11 @@ enum { SWEEPS = 2, RENEWALS = 20 };
 // A group of up to FEW contacts is one part, and so is one that cables alone tie together: where each contact feels its
 // neighbours alone, Newton's method costs little for all of them, and parts would hand on what is off one by one.
 // Others go round over parts of one body each, then, as long as that does not end, over larger ones.
-enum { FEW = 8, STAGES = 3 };
+enum { FEW = 8, STAGES = 2 };
 struct stage {
     int most, rounds;
 };
-static const struct stage stage[STAGES] = {{1, 8}, {32, 16}, {ANCF_NEWTON_MOST, 32}};
+static const struct stage stage[STAGES] = {{1, 8}, {ANCF_NEWTON_MOST, 32}};
 
 // Part of the largest friction impulse by which friction may be off, and below which a contact is left as it is.
 static const double tolerance = 1e-8;
@@ -245,11 +245,14 @@ static void take_back(ancf_table* t, const ancf_contact_group* g, double step) {
     }
 }
 
-// One part after the other until none changes, or so many rounds. Returns by how much friction is off.
-static double rub_parts(ancf_table* t, int rounds, double largest, int* steps) {
-    double left = INFINITY;
+// One part after the other until none changes, or so many rounds, or, in a hurry, until that is not to be expected of
+// them. Returns by how much friction is off.
+static double rub_parts(ancf_table* t, int rounds, bool hurry, double largest, int* steps) {
+    double left = INFINITY, before = INFINITY;
     for (int round = 0; round < rounds && left > tolerance * largest; ++round) {
         double change = 0.0;
+        if (hurry && round > 1 && left * pow(left / before, rounds - round) > tolerance * largest) break;
+        before = left;
         left = 0.0;
         for (int k = 0; k < t->parts; ++k) {
             const int *contact = t->rubbing + t->part[k], n = t->part[k + 1] - t->part[k];
@@ -289,7 +292,7 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
     for (int i = from; i < STAGES && off > tolerance * largest; ++i) {
         const int before = t->parts;
         ancf_parts_join(t, n <= FEW ? FEW : stage[i].most);
-        if (i == from || t->parts < before) off = rub_parts(t, stage[i].rounds, largest, &needed);
+        if (i == from || t->parts < before) off = rub_parts(t, stage[i].rounds, i < STAGES - 1, largest, &needed);
     }
     for (int k = 0; k < n; ++k) {
         const ancf_drag* d = &t->drag[contact[k]];
