@@ -290,9 +290,8 @@ static int rub_group(ancf_table* t, const ancf_contact_group* g, double step, do
     }
     const int from = moves_bodies(t, n) ? 0 : STAGES - 1;
     for (int i = from; i < STAGES && off > tolerance * largest; ++i) {
-        const int before = t->parts;
         ancf_parts_join(t, n <= FEW ? FEW : stage[i].most);
-        if (i == from || t->parts < before) off = rub_parts(t, stage[i].rounds, i < STAGES - 1, largest, &needed);
+        off = rub_parts(t, stage[i].rounds, i < STAGES - 1, largest, &needed);
     }
     for (int k = 0; k < n; ++k) {
         const ancf_drag* d = &t->drag[contact[k]];
